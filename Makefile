@@ -1,0 +1,68 @@
+# The commands of a checkout. `make test` is what CI runs.
+
+PYTHON ?= $(or $(shell command -v python3.11),python3)
+VENV := .venv
+BIN := $(VENV)/bin
+
+# Two pytest workers on two cores: more threads in each would only fight over them.
+TEST_ENVIRONMENT := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1
+WORKERS ?= 2
+
+# A change of either file installs anew; a second run does not.
+REQUIREMENTS := pyproject.toml constraints.txt
+RUNTIME_STAMP := $(VENV)/.runtime-installed
+DEV_STAMP := $(VENV)/.dev-installed
+
+.DEFAULT_GOAL := help
+# Two recipes at once would fight over apt's lock and the venv.
+.NOTPARALLEL:
+.PHONY: help install demo test lint contracts types format clean gl browser
+
+help: ## print this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+install: $(DEV_STAMP) gl browser ## make .venv with everything that a developer needs
+
+demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser
+	$(BIN)/sheath experiment driving --quick --dashboard
+
+# Fast to slow; the first that fails stops the rest.
+test: lint contracts types gl browser ## lint, import contracts, types, tests
+	$(TEST_ENVIRONMENT) $(BIN)/pytest -n $(WORKERS)
+
+lint: $(DEV_STAMP) ## ruff: rules and format
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+contracts: $(DEV_STAMP) ## the direction of the imports
+	$(BIN)/lint-imports
+
+types: $(DEV_STAMP) ## pyright
+	$(BIN)/pyright
+
+format: $(DEV_STAMP) ## let ruff fix and format the code
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean: ## remove .venv and all caches; results/ and runs/ stay
+	rm -rf $(VENV) build *.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+gl browser:
+	@tools/system_packages.sh $@
+
+$(BIN)/python:
+	@PYTHON=$(PYTHON) tools/system_packages.sh venv
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null
+	$(PYTHON) -m venv $(VENV)
+
+$(RUNTIME_STAMP): $(REQUIREMENTS) | $(BIN)/python
+	@echo 'Installing into $(VENV): a minute or two, or more where torch comes from afar'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+# The development set holds the runtime set.
+$(DEV_STAMP): $(REQUIREMENTS) | $(BIN)/python
+	@echo 'Installing into $(VENV): a minute or two, or more where torch comes from afar'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $@ $(RUNTIME_STAMP)

@@ -1,0 +1,179 @@
+"""Policy, embedding, support estimator and threshold of one round, in one file.
+
+A support fitted on last round's embedding is meaningless, so they are saved and loaded together.
+The file is an .npz of plain arrays with a JSON header: no code is ever loaded from it.
+"""
+
+import hashlib
+import inspect
+import io
+import json
+import os
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownNameError
+from sheath_manip.policies import make_embedding, make_policy
+from sheath_manip.protocols import Arrays, Embedding, Policy, SupportEstimator
+from sheath_manip.support import make_support
+from sheath_manip.types import Observation, TaskSpec
+
+FORMAT = "sheath-checkpoint"
+SCHEMA = 1
+PARTS = ("policy", "embedding", "support")
+# The earliest date that a zip file can hold: equal content then gives equal bytes.
+ZIP_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """What one round learned. The parts are shared, not copied: a later refit changes them."""
+
+    task: str
+    """name of the task it was trained on"""
+    policy_name: str
+    policy: Policy
+    embedding_name: str
+    embedding: Embedding
+    support_name: str
+    support: SupportEstimator
+    threshold: float
+    """the score below which the expert takes over"""
+    false_alarm_rate: float
+    """that the threshold was calibrated to, in 0..1"""
+    method: str
+    round: int
+    run_seed: int
+
+    def score(self, observation: Observation) -> float:
+        """The support score of one observation, positive inside; NaN where it has none."""
+        images = {camera: image[None] for camera, image in observation.images.items()}
+        vectors = self.embedding.transform(images, observation.features[None])
+        return float(self.support.decision_function(vectors)[0])
+
+    def scores(self, samples: Samples) -> NDArray[np.float64]:
+        """(n,) the support scores of `samples`."""
+        vectors = self.embedding.transform(samples.images, samples.features)
+        return self.support.decision_function(vectors)
+
+    def save(self, path: Path | str) -> Path:
+        """Write the file in one stroke: it is there whole or not at all. Returns its path."""
+        path = Path(path)
+        header = {
+            "format": FORMAT,
+            "schema": SCHEMA,
+            "task": self.task,
+            "policy": {"name": self.policy_name, "hyper": _hyperparameters(self.policy)},
+            "embedding": {"name": self.embedding_name},
+            "support": {"name": self.support_name, "hyper": _hyperparameters(self.support)},
+            "threshold": self.threshold,
+            "false_alarm_rate": self.false_alarm_rate,
+            "method": self.method,
+            "round": self.round,
+            "run_seed": self.run_seed,
+        }
+        arrays: dict[str, NDArray] = {"header": np.array(json.dumps(header, sort_keys=True))}
+        for part in PARTS:
+            learned: Arrays = getattr(self, part).arrays()
+            arrays |= {f"{part}/{name}": array for name, array in sorted(learned.items())}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+        try:
+            with temporary.open("wb") as file:
+                _write_npz(file, arrays)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+        return path
+
+
+def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
+    """Read a checkpoint of the task `spec`.
+
+    Raises:
+        CheckpointError: the file is missing, broken, no checkpoint, of another schema or task, or
+            it names a policy, an embedding or a support estimator that is in no table.
+    """
+    path = Path(path)
+    header, arrays = _read(path)
+    if header["task"] != spec.name:
+        raise CheckpointError(
+            f"{path} was trained on task {header['task']!r}, not on {spec.name!r}; "
+            f"use it with --task {header['task']}"
+        )
+    try:
+        hyper = dict(header["policy"]["hyper"])
+        policy = make_policy(header["policy"]["name"], spec, **hyper).load(arrays["policy"])
+        embedding = make_embedding(header["embedding"]["name"]).load(policy, arrays["embedding"])
+        support = make_support(header["support"]["name"], **header["support"]["hyper"])
+        return Checkpoint(
+            task=header["task"],
+            policy_name=header["policy"]["name"],
+            policy=policy,
+            embedding_name=header["embedding"]["name"],
+            embedding=embedding,
+            support_name=header["support"]["name"],
+            support=support.load(arrays["support"]),
+            threshold=float(header["threshold"]),
+            false_alarm_rate=float(header["false_alarm_rate"]),
+            method=str(header["method"]),
+            round=int(header["round"]),
+            run_seed=int(header["run_seed"]),
+        )
+    except (UnknownNameError, ParameterError) as error:
+        raise CheckpointError(f"{path} does not fit this version or task: {error}") from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise CheckpointError(f"{path} is broken: {type(error).__name__} {error}") from error
+
+
+def digest(path: Path | str) -> str:
+    """16 hex digits, for `EpisodeInfo.checkpoint`: equal for files of equal content."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+    except OSError as error:
+        raise CheckpointError(f"cannot read checkpoint {path}: {error.strerror}") from error
+
+
+def _hyperparameters(component: Any) -> dict[str, Any]:
+    """What its constructor was given: constructors store every argument under its own name."""
+    names = inspect.signature(type(component)).parameters
+    return {name: getattr(component, name) for name in names if name != "spec"}
+
+
+def _write_npz(file: Any, arrays: Arrays) -> None:
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in arrays.items():
+            buffer = io.BytesIO()
+            np.lib.format.write_array(buffer, np.asarray(array), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy", ZIP_DATE), buffer.getvalue())
+
+
+def _read(path: Path) -> tuple[dict[str, Any], dict[str, dict[str, NDArray]]]:
+    if not path.is_file():
+        raise CheckpointError(f"no checkpoint at {path}; wanted a file that a training run wrote")
+    try:
+        # Opened here, since np.load leaves a broken file open.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
+            flat = {name: content[name] for name in content.files}
+        header = json.loads(str(flat.pop("header", "{}")))
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError, TypeError) as error:
+        raise CheckpointError(f"{path} cannot be read as a checkpoint: {error}") from error
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+    if header.get("schema") != SCHEMA:
+        raise CheckpointError(
+            f"{path} has schema {header.get('schema')}; this version reads {SCHEMA}: train again"
+        )
+    parts: dict[str, dict[str, NDArray]] = {part: {} for part in PARTS}
+    for name, array in flat.items():
+        part, _, rest = name.partition("/")
+        parts.setdefault(part, {})[rest] = array
+    return header, parts

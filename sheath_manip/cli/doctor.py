@@ -1,0 +1,290 @@
+"""`sheath doctor`: what this machine lacks, and how to cure it."""
+
+import ctypes
+import functools
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from packaging.requirements import Requirement
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from sheath_manip.exceptions import SetupError
+
+HOST = "127.0.0.1"
+PORT = 8080
+"""where the dashboard listens unless told otherwise"""
+
+MIN_FREE_GB = 2.0
+"""a full experiment writes some hundred megabytes of episodes and checkpoints"""
+
+GL_TIMEOUT_S = 60.0
+"""a driver that hangs must not hang the doctor; a cold start takes about one second"""
+
+GL_CURES = {
+    "egl": "apt-get install libegl1 libopengl0 libgl1-mesa-dri",
+    "osmesa": "apt-get install libosmesa6",
+    "glfw": "run where there is a display, or set MUJOCO_GL=egl",
+}
+
+# Each entry is one library, by the names that it goes by.
+GL_LIBRARIES = {
+    "egl": (("libEGL.so.1", "libEGL.so"), ("libOpenGL.so.0", "libGL.so.1")),
+    "osmesa": (("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"),),
+    "glfw": (("libGL.so.1", "libGL.so"),),
+}
+
+GL_OFF = ("disable", "disabled", "off", "false", "0")
+"""MuJoCo's words for no rendering at all"""
+
+CLASHES = {
+    "mujoco": "MuJoCo 4 dropped flex_vertedge, which dm-control 1.0.50 reads",
+    "viser": "the access control wraps the websocket server of viser 1.1",
+    "zarr": "3.1 is the last minor version for Python 3.11",
+}
+
+# Run by another process, since a GL that failed to load poisons the one that tried, and since
+# the core imports no simulator. Without shadows and multisampling, as the tasks render.
+RENDER = """
+import time
+import mujoco
+model = mujoco.MjModel.from_xml_string('''
+    <mujoco>
+      <visual><quality shadowsize="0" offsamples="0"/></visual>
+      <worldbody><light pos="0 0 2"/><geom size="0.2"/></worldbody>
+    </mujoco>''')
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+renderer = mujoco.Renderer(model, 64, 64)
+times_ms = []
+for _ in range(5):
+    start_s = time.perf_counter()
+    renderer.update_scene(data)
+    image = renderer.render()
+    times_ms.append(1e3 * (time.perf_counter() - start_s))
+assert image.max() > 0, "the image is all black"
+print(sorted(times_ms)[2])
+"""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one check found."""
+
+    name: str
+    ok: bool
+    detail: str
+    cure: str = ""
+    """what to do about it; empty where all is well"""
+
+
+def report(console: Console) -> int:
+    """Print all findings, the problems with their cures; 0 where there is no problem, else 1."""
+    with console.status("looking at this machine"):
+        findings = examine()
+    table = Table(box=None, pad_edge=False)
+    for heading in ("", "check", "found"):
+        table.add_column(heading)
+    for finding in findings:
+        mark = "[green]ok[/]" if finding.ok else "[red]problem[/]"
+        table.add_row(mark, escape(finding.name), escape(finding.detail))
+    console.print(table)
+    problems = [finding for finding in findings if not finding.ok]
+    for problem in problems:
+        # Unwrapped, so that a command can be copied whole.
+        console.print(
+            f"[bold]{escape(problem.name)}[/]: {escape(problem.cure)}",
+            soft_wrap=True,
+            highlight=False,
+        )
+    return 1 if problems else 0
+
+
+def examine() -> list[Finding]:
+    """Run all checks; about three seconds, most of them for rendering in processes of their own."""
+    return [
+        check_python(),
+        *check_versions(),
+        *check_gl(),
+        check_port(),
+        check_disk(Path.cwd()),
+        check_threads(),
+    ]
+
+
+def check_python() -> Finding:
+    """Python 3.11 or newer."""
+    found = ".".join(map(str, sys.version_info[:3]))
+    ok = sys.version_info >= (3, 11)
+    cure = "make clean, then PYTHON=python3.11 make install"
+    return Finding("python", ok, f"{found} at {sys.executable}", "" if ok else cure)
+
+
+def check_versions() -> list[Finding]:
+    """What is installed against the ranges that pyproject.toml names."""
+    cure = "pip install -c constraints.txt -e ."
+    try:
+        requirements = [Requirement(line) for line in metadata.requires("sheath-manip") or ()]
+    except metadata.PackageNotFoundError:
+        return [Finding("packages", False, "sheath-manip is not installed", cure)]
+    requirements = [r for r in requirements if r.marker is None or r.marker.evaluate({"extra": ""})]
+
+    problems = []
+    for wanted in requirements:
+        try:
+            version = metadata.version(wanted.name)
+        except metadata.PackageNotFoundError:
+            problems.append(Finding(wanted.name, False, "not installed", cure))
+            continue
+        if not wanted.specifier.contains(version, prereleases=True):
+            why = f" ({CLASHES[wanted.name]})" if wanted.name in CLASHES else ""
+            detail = f"{version} is installed, {wanted.specifier} is wanted{why}"
+            problems.append(Finding(wanted.name, False, detail, cure))
+    summary = f"{len(requirements)} packages within the ranges of pyproject.toml"
+    return problems or [Finding("packages", True, summary)]
+
+
+def check_gl() -> list[Finding]:
+    """Render with the back end in force, and with the others that need no display as spares."""
+    in_force = gl_in_force()
+    if in_force in GL_OFF:
+        return [
+            Finding("rendering", False, f"MUJOCO_GL={in_force} turns it off", "unset MUJOCO_GL")
+        ]
+    if in_force not in GL_LIBRARIES:
+        detail = f"MUJOCO_GL={in_force} is unknown; known: {', '.join(GL_LIBRARIES)}"
+        return [Finding("rendering", False, detail, "unset MUJOCO_GL")]
+
+    result = render_time_ms(in_force)
+    spares = {name: render_time_ms(name) for name in ("egl", "osmesa") if name != in_force}
+    name = f"rendering, {in_force}"
+    if isinstance(result, float):
+        setting = os.environ.get("MUJOCO_GL") or "not set"
+        finding = Finding(name, True, f"{result:.2f} ms a frame; in force: MUJOCO_GL is {setting}")
+    else:
+        working = [spare for spare, spare_ms in spares.items() if isinstance(spare_ms, float)]
+        cure = f"export MUJOCO_GL={working[0]}" if working else GL_CURES[in_force]
+        finding = Finding(name, False, f"in force and does not work: {result}", cure)
+    return [
+        finding,
+        *(
+            Finding(
+                f"rendering, {spare}",
+                True,
+                f"{spare_ms:.2f} ms a frame; a spare"
+                if isinstance(spare_ms, float)
+                else f"not at hand; needed only where {in_force} does not work",
+            )
+            for spare, spare_ms in spares.items()
+        ),
+    ]
+
+
+def gl_in_force() -> str:
+    """The back end that MuJoCo takes in this process; `sheath_manip` sets it without a display."""
+    backend = os.environ.get("MUJOCO_GL", "").lower().strip()
+    return "glfw" if backend in ("", "enable", "enabled", "on", "true", "1") else backend
+
+
+def render_time_ms(backend: str) -> float | str:
+    """The median time of a small frame, or the last line of what went wrong."""
+    environment = os.environ | {"MUJOCO_GL": backend}
+    # Set by a MuJoCo that this process may have imported, for its own back end.
+    environment.pop("PYOPENGL_PLATFORM", None)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", RENDER],
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=GL_TIMEOUT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return f"no answer in {GL_TIMEOUT_S:.0f} s"
+    if done.returncode == 0:
+        return float(done.stdout.split()[-1])
+    lines = done.stderr.strip().splitlines()
+    return lines[-1] if lines else f"the process ended with {done.returncode}"
+
+
+def check_port(port: int = PORT) -> Finding:
+    """Whether the dashboard's own port is free on the loopback address."""
+    if _is_free(port):
+        return Finding("port", True, f"{HOST}:{port} is free")
+    free = next((other for other in range(port + 1, port + 100) if _is_free(other)), None)
+    cure = f"stop what listens on {port}, or give the dashboard another port"
+    return Finding(
+        "port", False, f"{HOST}:{port} is taken", cure + (f": {free} is free" if free else "")
+    )
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        # As servers do: a port whose last connection is only just closed counts as free.
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except OSError:
+            return False
+    return True
+
+
+def check_disk(folder: Path) -> Finding:
+    """Free space where results and runs are written."""
+    free_gb = shutil.disk_usage(folder).free / 1e9
+    ok = free_gb >= MIN_FREE_GB
+    cure = f"free {MIN_FREE_GB - free_gb:.1f} GB there, or work in another folder"
+    return Finding("disk", ok, f"{free_gb:.1f} GB free in {folder}", "" if ok else cure)
+
+
+def check_threads() -> Finding:
+    """Whether torch starts no more threads than there are cores."""
+    cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+    start_s = time.perf_counter()
+    try:
+        # Here and not above: it takes a second, and a broken torch is a finding too.
+        import torch
+    except (ImportError, OSError) as error:
+        return Finding("torch", False, str(error), "pip install -c constraints.txt -e .")
+    import_s = time.perf_counter() - start_s
+    threads = torch.get_num_threads()
+    ok = threads <= cores
+    detail = f"{threads} threads on {cores} cores, imported in {import_s:.1f} s"
+    return Finding("torch", ok, detail, "" if ok else f"export OMP_NUM_THREADS={cores}")
+
+
+def require_gl() -> None:
+    """Raise `SetupError` where the GL library that MUJOCO_GL asks for is missing; no rendering."""
+    if sys.platform == "linux":
+        _load_gl(gl_in_force())
+
+
+@functools.cache
+def _load_gl(backend: str) -> None:
+    if backend not in GL_LIBRARIES:
+        raise SetupError(
+            f"rendering wants MUJOCO_GL to be one of {', '.join(GL_LIBRARIES)}, it is {backend!r}"
+        )
+    for names in GL_LIBRARIES[backend]:
+        if not any(_loads(name) for name in names):
+            raise SetupError(
+                f"rendering with MUJOCO_GL={backend} wants {names[0]}, which this machine lacks; "
+                f"cure: {GL_CURES[backend]} (`sheath doctor` tells more)"
+            )
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

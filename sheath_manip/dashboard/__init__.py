@@ -1,0 +1,6 @@
+"""The live page of a run: scene, gate, support, pause, replay, and the lock on its door."""
+
+from sheath_manip.dashboard.dashboard import Dashboard
+from sheath_manip.dashboard.replay import replay
+
+__all__ = ["Dashboard", "replay"]

@@ -1,0 +1,133 @@
+"""Access control around viser's web server, which on its own obeys whoever reaches it."""
+
+import hashlib
+import hmac
+import ipaddress
+import socket
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from urllib.parse import parse_qs, quote
+
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+WILDCARDS = ("", "0.0.0.0", "::")
+
+
+@dataclass(frozen=True)
+class AccessControl:
+    """Decides about each request, page or websocket, before viser sees it."""
+
+    host: str
+    """the address that the server listens on"""
+    port: int
+    token: str = field(repr=False)
+
+    @property
+    def cookie_name(self) -> str:
+        """Carries the port, because a browser shares its cookies between all ports of a host."""
+        return f"sheath-{self.port}"
+
+    @property
+    def cookie_value(self) -> str:
+        """Derived from the token, so that any token fits in and none can be read from it."""
+        return hashlib.sha256(f"{self.cookie_name}:{self.token}".encode()).hexdigest()
+
+    @property
+    def address(self) -> str:
+        """Where a browser on this machine gets in, token included."""
+        host = "127.0.0.1" if self.host in WILDCARDS else _bracketed(self.host)
+        return f"http://{host}:{self.port}/?token={quote(self.token, safe='')}"
+
+    def answer(self, request: Request) -> Response | None:
+        """Return the response that ends `request` here, or None where it may go on to viser."""
+        hosts = request.headers.get_all("Host")
+        if len(hosts) != 1 or not self._admits(hosts[0].lower()):
+            return _response(
+                HTTPStatus.FORBIDDEN,
+                f"This dashboard answers only to {', '.join(sorted(self._names))} on port "
+                f"{self.port}; when forwarding it, keep the port number.",
+            )
+        own_origins = (f"http://{hosts[0]}", f"https://{hosts[0]}")
+        if any(origin not in own_origins for origin in request.headers.get_all("Origin")):
+            return _response(HTTPStatus.FORBIDDEN, "Pages of other sites may not use this one.")
+        query = request.path.partition("?")[2]
+        is_websocket = "Upgrade" in request.headers
+        if query and not is_websocket:
+            # Never passed on: viser's page would take even another server to talk to from it.
+            return self._welcome() if self._is_token(query) else _unauthorized()
+        return None if self._has_cookie(request.headers) else _unauthorized()
+
+    @property
+    def _names(self) -> set[str]:
+        names = {"127.0.0.1", "localhost"}
+        return names | ({socket.gethostname()} if self.host in WILDCARDS else {self.host})
+
+    def _admits(self, host: str) -> bool:
+        name, _, port = host.rpartition(":") if not host.endswith("]") else (host, "", "80")
+        if not name:
+            name, port = host, "80"
+        if port != str(self.port):
+            return False
+        name = name.strip("[]")
+        # DNS rebinding needs a name that its attacker owns; a bare address is never one.
+        return name in {known.lower() for known in self._names} or (
+            self.host in WILDCARDS and _is_ip_address(name)
+        )
+
+    def _is_token(self, query: str) -> bool:
+        given = parse_qs(query).get("token", [])
+        return len(given) == 1 and _equal(given[0], self.token)
+
+    def _has_cookie(self, headers: Headers) -> bool:
+        pairs = (
+            pair.strip().partition("=")
+            for header in headers.get_all("Cookie")
+            for pair in header.split(";")
+        )
+        return any(
+            name == self.cookie_name and _equal(value, self.cookie_value)
+            for name, _, value in pairs
+        )
+
+    def _welcome(self) -> Response:
+        # A page of its own and not a redirect: a browser withholds a SameSite=Strict cookie on a
+        # redirect that follows a link on another site. It also takes the token out of the history.
+        page = '<!doctype html><title>sheath</title><script>location.replace("/")</script>'
+        cookie = f"{self.cookie_name}={self.cookie_value}; Path=/; HttpOnly; SameSite=Strict"
+        return _response(HTTPStatus.OK, page, **{"Set-Cookie": cookie})
+
+
+def _unauthorized() -> Response:
+    return _response(
+        HTTPStatus.UNAUTHORIZED, "Open the address that the run printed, with its ?token=..."
+    )
+
+
+def _response(status: HTTPStatus, text: str, **headers: str) -> Response:
+    body = text.encode()
+    kind = "text/html" if text.startswith("<") else "text/plain"
+    fields = {
+        "Content-Type": f"{kind}; charset=utf-8",
+        "Content-Length": str(len(body)),
+        "Cache-Control": "no-store",
+        "Referrer-Policy": "no-referrer",
+        "Connection": "close",
+    }
+    return Response(status.value, status.phrase, Headers(fields | headers), body)
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
+
+
+def _equal(given: str, wanted: str) -> bool:
+    return hmac.compare_digest(given.encode(errors="replace"), wanted.encode())
+
+
+def _is_ip_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,122 @@
+"""viser's server behind the access control: guarded from its first request on, and never shared."""
+
+import contextlib
+import secrets
+import socket
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import rich
+import viser
+import websockets.asyncio.server
+from viser._messages import ShareUrlDisconnect, ShareUrlRequest
+from websockets.http11 import Request, Response
+
+from sheath_manip.dashboard.access import AccessControl
+from sheath_manip.exceptions import ParameterError, SetupError
+
+MIN_TOKEN_LENGTH = 8
+
+_serve_is_wrapped = threading.Lock()
+
+
+@dataclass(frozen=True, eq=False)
+class GuardedServer:
+    """A running viser server behind its access control."""
+
+    viser: viser.ViserServer
+    access: AccessControl
+
+    @classmethod
+    def open(cls, host: str, port: int, token: str | None, label: str) -> "GuardedServer":
+        """Listen on `host` and `port` (0: any free one) and build the server on top.
+
+        Raises:
+            SetupError: the port is taken, or the host is not one of this machine.
+            ParameterError: a token that is too short to keep anybody out.
+        """
+        if token is not None and len(token) < MIN_TOKEN_LENGTH:
+            raise ParameterError(
+                f"the dashboard's token has {len(token)} characters; wanted at least "
+                f"{MIN_TOKEN_LENGTH}, or None for a random one"
+            )
+        listener = _listen(host, port)
+        access = AccessControl(host, listener.getsockname()[1], token or secrets.token_urlsafe(24))
+        try:
+            with _wrapped_serve(access, listener), _quiet():
+                server = viser.ViserServer(host=host, port=access.port, label=label, verbose=False)
+        except BaseException:
+            listener.close()
+            raise
+        server.request_share_url = _refuse_share
+        for message in (ShareUrlRequest, ShareUrlDisconnect):
+            server._websock_server.unregister_handler(message)
+        server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")
+        server.gui.main_panel.dock_right()
+        return cls(server, access)
+
+    def close(self) -> None:
+        """Stop listening and end every connection."""
+        with _quiet():
+            self.viser.stop()
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    # The socket is bound here and handed to viser, which on its own would take the next free port
+    # without a word, or wait for ever on a host that cannot be bound.
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise SetupError(
+            f"the dashboard cannot listen on {host}:{port} ({error}); "
+            "choose another port, or 0 for any free one"
+        ) from error
+
+
+@contextlib.contextmanager
+def _wrapped_serve(access: AccessControl, listener: socket.socket) -> Iterator[None]:
+    """While viser starts, put `access` in front of the one server that it opens, on `listener`."""
+    serve: Any = websockets.asyncio.server.serve
+    used = False
+
+    def guarded_serve(
+        handler: Any, _host: Any, _port: Any, *, process_request: Any, **options: Any
+    ) -> Any:
+        nonlocal used
+        used = True
+
+        def check_first(connection: Any, request: Request) -> Response | None:
+            return access.answer(request) or process_request(connection, request)
+
+        return serve(handler, sock=listener, process_request=check_first, **options)
+
+    with _serve_is_wrapped:
+        websockets.asyncio.server.serve = guarded_serve  # type: ignore[misc, assignment]
+        try:
+            yield
+        finally:
+            websockets.asyncio.server.serve = serve  # type: ignore[misc]
+    if not used:
+        raise SetupError(
+            f"viser {viser.__version__} opened its server past the access control; wanted viser 1.1"
+        )
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep viser from printing its address, which is refused without the token."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
+
+
+def _refuse_share(verbose: bool = True) -> NoReturn:  # noqa: ARG001 - viser's signature
+    raise SetupError(
+        "the dashboard is never shared through a public tunnel; forward its port over ssh"
+    )

@@ -1,0 +1,80 @@
+"""One episode as one zarr (format 3) group."""
+
+from pathlib import Path
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import ZstdCodec
+
+from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
+from sheath_manip.dataset.header import Header, to_attributes
+from sheath_manip.dataset.layout import Arrays, ArraySpec, layout
+
+FRAMES_PER_CHUNK = 64
+"""Chunks of single frames take ten times as long to write and compress far worse."""
+
+
+def write_group(directory: Path, header: Header, arrays: Arrays) -> None:
+    """Write an episode into `directory`, which must not exist yet; raises OSError."""
+    group = zarr.create_group(directory, zarr_format=3, attributes=to_attributes(header))
+    for spec in layout(header):
+        array = arrays[spec.path]
+        group.create_array(
+            spec.path,
+            data=array,
+            chunks=_chunks(spec),
+            # The checksum finds a changed byte; a higher level or a bit shuffle only costs time.
+            compressors=ZstdCodec(level=1, checksum=True),
+            # One directory an array instead of one a dimension: there is less to sync.
+            chunk_key_encoding={"name": "default", "separator": "."},
+            # A chunk of zeros would otherwise look the same as a lost one.
+            config={"write_empty_chunks": True},
+        )
+
+
+def read_array(directory: Path, spec: ArraySpec) -> NDArray:
+    """The array `spec` of the episode in `directory`, decompressed; raises FaultError."""
+    try:
+        array = zarr.open_array(directory, path=spec.path, mode="r", zarr_format=3)
+    except FileNotFoundError as error:
+        raise FaultError(
+            directory.name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
+        ) from error
+    except Exception as error:
+        raise _unreadable(directory, spec, error) from error
+    if array.shape != spec.shape or array.dtype != np.dtype(spec.dtype):
+        raise FaultError(
+            directory.name,
+            FaultKind.MISMATCH,
+            f"{spec.path} is {array.dtype} {array.shape}; "
+            f"its header wants {spec.dtype} {spec.shape}; {REMEDY}",
+        )
+    if array.nchunks_initialized != array.nchunks:
+        # zarr itself would fill the gap with zeros.
+        raise FaultError(
+            directory.name,
+            FaultKind.MISSING,
+            f"{spec.path} has {array.nchunks_initialized} of {array.nchunks} chunks; {REMEDY}",
+        )
+    try:
+        return np.asarray(array[...])
+    except Exception as error:
+        raise _unreadable(directory, spec, error) from error
+
+
+def _chunks(spec: ArraySpec) -> tuple[int, ...]:
+    """Images in blocks of frames; every other array is small and one chunk."""
+    # zarr refuses a chunk of length 0, which an array without features would ask for.
+    whole = tuple(max(1, size) for size in spec.shape)
+    if spec.is_image and len(spec.shape) == 4:
+        return (min(FRAMES_PER_CHUNK, whole[0]), *whole[1:])
+    return whole
+
+
+def _unreadable(directory: Path, spec: ArraySpec, error: Exception) -> FaultError:
+    """Whatever zarr and its codecs raise (they share no class) as one line."""
+    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+    return FaultError(
+        directory.name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({reason}); {REMEDY}"
+    )

@@ -1,0 +1,209 @@
+"""An episode's header: all of it that is no array, kept as the attributes of its zarr group."""
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+
+FORMAT = "sheath-episode"
+SCHEMA = 1
+"""Raise it whenever a reader of the old one would misread the new one."""
+
+# A camera is a folder of the group, on any system.
+_CAMERA = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+_PACKAGES = ("sheath-manip", "mujoco", "numpy", "zarr")
+
+
+@dataclass(frozen=True)
+class Header:
+    """What must be known of an episode before one of its arrays is read."""
+
+    info: EpisodeInfo
+    length: int
+    """T, in control steps"""
+    cameras: Mapping[str, tuple[int, int]]
+    """(height, width) in pixels, by camera"""
+    feature_size: int
+    state_size: int
+    action_size: int
+    terminated: bool
+    truncated: bool
+    outcome: Outcome
+    metrics: Mapping[str, float]
+    """NaN and infinity are kept, but not which of the many NaNs it was"""
+    expert_steps: int
+    """steps in which the expert acted"""
+    queries: int
+    """steps in which the gate asked for a label"""
+    actors: tuple[Actor, ...]
+    """what the codes in the array `actor` stand for"""
+    reasons: tuple[Reason, ...]
+    """what the codes in the array `reason` stand for"""
+    versions: Mapping[str, str]
+    """of the packages that wrote it"""
+    recorded_utc: str
+    """ISO 8601"""
+
+
+def header_of(episode: Episode) -> Header:
+    """The header of `episode`; raises StoreError where it has no step or a camera an odd name."""
+    name = episode_name(episode.info)
+    if not episode.steps:
+        raise StoreError(f"{name}: wanted at least one step, the episode has none")
+    for camera in episode.final_observation.images:
+        if not _CAMERA.fullmatch(camera):
+            raise StoreError(
+                f"{name}: wanted a camera name of letters, digits and _.- only, got {camera!r}"
+            )
+    return Header(
+        info=episode.info,
+        length=len(episode),
+        cameras={
+            camera: (image.shape[0], image.shape[1])
+            for camera, image in episode.final_observation.images.items()
+        },
+        feature_size=episode.final_observation.features.size,
+        state_size=episode.final_state.size,
+        action_size=episode.steps[0].executed.size,
+        terminated=bool(episode.terminated),
+        truncated=bool(episode.truncated),
+        outcome=Outcome(episode.outcome),
+        metrics={name: float(value) for name, value in episode.metrics.items()},
+        expert_steps=sum(step.decision.actor is Actor.EXPERT for step in episode.steps),
+        queries=sum(bool(step.decision.query) for step in episode.steps),
+        actors=tuple(Actor),
+        reasons=tuple(Reason),
+        versions={name: _version(name) for name in _PACKAGES},
+        recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
+
+
+def to_attributes(header: Header) -> dict[str, Any]:
+    """The header as JSON; `read_header` is its inverse."""
+    fields = asdict(header)
+    info = fields.pop("info")
+    for name in ("seed", "round", "index", "run_seed"):
+        # A seed often comes from numpy, whose integers JSON does not take.
+        info[name] = int(info[name])
+    return {
+        "format": FORMAT,
+        "schema": SCHEMA,
+        **info,
+        **fields,
+        "control_rate_hz": float(header.info.control_rate_hz),
+        "metrics": {name: _to_json(value) for name, value in header.metrics.items()},
+        "success": header.outcome is Outcome.SUCCESS,
+    }
+
+
+def read_header(directory: Path) -> Header:
+    """The header of the episode in `directory`; raises FaultError where there is none to be had."""
+    name = directory.name
+    try:
+        group = json.loads((directory / "zarr.json").read_bytes())
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise FaultError(
+            name,
+            FaultKind.FOREIGN,
+            "wanted an episode, found no zarr.json in it; see `sheath data list`",
+        ) from error
+    except (OSError, ValueError) as error:
+        raise FaultError(
+            name, FaultKind.UNREADABLE, f"its zarr.json does not decode ({error}); {REMEDY}"
+        ) from error
+    attributes = group.get("attributes") if isinstance(group, dict) else None
+    if not isinstance(attributes, dict) or attributes.get("format") != FORMAT:
+        raise FaultError(
+            name,
+            FaultKind.FOREIGN,
+            f"wanted a zarr group of format {FORMAT!r}, found another; move it away",
+        )
+    if attributes.get("schema") != SCHEMA:
+        raise FaultError(
+            name,
+            FaultKind.SCHEMA,
+            f"wanted schema {SCHEMA}, found {attributes.get('schema')}; "
+            "read it with the version of sheath-manip that wrote it "
+            f"({_writer(attributes)})",
+        )
+    try:
+        header = _from_attributes(attributes)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise FaultError(
+            name,
+            FaultKind.UNREADABLE,
+            f"its header is broken ({type(error).__name__}: {error}); {REMEDY}",
+        ) from error
+    if episode_name(header.info) != name:
+        raise FaultError(
+            name,
+            FaultKind.MISMATCH,
+            f"it holds the episode {episode_name(header.info)}; give it back that name",
+        )
+    return header
+
+
+def _from_attributes(attributes: Mapping[str, Any]) -> Header:
+    if attributes["length"] < 1 or not all(map(_CAMERA.fullmatch, attributes["cameras"])):
+        raise ValueError("wanted at least one step and plain camera names")
+    return Header(
+        info=EpisodeInfo(
+            task=str(attributes["task"]),
+            seed=int(attributes["seed"]),
+            purpose=Purpose(attributes["purpose"]),
+            control_rate_hz=float(attributes["control_rate_hz"]),
+            method=str(attributes["method"]),
+            round=int(attributes["round"]),
+            index=int(attributes["index"]),
+            run_seed=int(attributes["run_seed"]),
+            checkpoint=str(attributes["checkpoint"]),
+        ),
+        length=int(attributes["length"]),
+        cameras={
+            camera: (int(height), int(width))
+            for camera, (height, width) in attributes["cameras"].items()
+        },
+        feature_size=int(attributes["feature_size"]),
+        state_size=int(attributes["state_size"]),
+        action_size=int(attributes["action_size"]),
+        terminated=bool(attributes["terminated"]),
+        truncated=bool(attributes["truncated"]),
+        outcome=Outcome(attributes["outcome"]),
+        # float() reads both a JSON number and the names that _to_json gives to the rest.
+        metrics={name: float(value) for name, value in attributes["metrics"].items()},
+        expert_steps=int(attributes["expert_steps"]),
+        queries=int(attributes["queries"]),
+        actors=tuple(Actor(value) for value in attributes["actors"]),
+        reasons=tuple(Reason(value) for value in attributes["reasons"]),
+        versions={name: str(value) for name, value in attributes["versions"].items()},
+        recorded_utc=str(attributes["recorded_utc"]),
+    )
+
+
+def _to_json(value: float) -> float | str:
+    """Strict JSON has no NaN and no infinity: they are named as in zarr's own metadata."""
+    if math.isfinite(value):
+        return value
+    return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def _writer(attributes: Mapping[str, Any]) -> str:
+    versions = attributes.get("versions")
+    return str(versions.get("sheath-manip", "unknown")) if isinstance(versions, dict) else "unknown"

@@ -1,0 +1,72 @@
+"""Which arrays make up an episode of T steps.
+
+| array | shape, type | meaning |
+|---|---|---|
+| `images/CAMERA` | (T, h, w, 3) uint8 | RGB before the action |
+| `features` | (T, f) float32 | before the action |
+| `time_s` | (T,) float64 | before the action |
+| `state` | (T, s) float64 | simulator state before the action |
+| `proposed` | (T, a) float32 | by the policy; NaN where `has_proposed` is false |
+| `labelled` | (T, a) float32 | by the expert; NaN where `has_labelled` is false |
+| `executed` | (T, a) float32 | what was done |
+| `actor`, `reason` | (T,) uint8 | place in the attributes `actors`, `reasons` |
+| `intervention` | (T,) bool | the expert acts in an episode that a policy was to drive |
+| `query` | (T,) bool | the gate asked for a label |
+| `score`, `threshold` | (T,) float64 | of the support; NaN where the gate has none |
+| `reward` | (T,) float64 | of the executed action |
+| `final/...` | no T | `images/CAMERA`, `features`, `time_s`, `state` after the last action |
+
+A policy was to drive an episode if it proposed an action in any step, or if the episode names the
+checkpoint that drove it; a plain demonstration therefore has no intervention.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.header import Header
+
+Arrays = Mapping[str, NDArray]
+"""by the path of their `ArraySpec`"""
+
+
+@dataclass(frozen=True)
+class ArraySpec:
+    """One array of an episode's group."""
+
+    path: str
+    shape: tuple[int, ...]
+    dtype: str
+
+    @property
+    def is_image(self) -> bool:
+        """Whether it holds camera images."""
+        return "images/" in self.path
+
+
+def layout(header: Header) -> list[ArraySpec]:
+    """Every array that an episode with `header` has."""
+    observation = [
+        *(
+            (f"images/{camera}", (height, width, 3), "uint8")
+            for camera, (height, width) in header.cameras.items()
+        ),
+        ("features", (header.feature_size,), "float32"),
+        ("time_s", (), "float64"),
+        ("state", (header.state_size,), "float64"),
+    ]
+    step = [
+        *observation,
+        *(
+            (name, (header.action_size,), "float32")
+            for name in ("proposed", "labelled", "executed")
+        ),
+        *((name, (), "bool") for name in ("has_proposed", "has_labelled", "intervention", "query")),
+        *((name, (), "uint8") for name in ("actor", "reason")),
+        *((name, (), "float64") for name in ("score", "threshold", "reward")),
+    ]
+    return [
+        *(ArraySpec(name, (header.length, *shape), dtype) for name, shape, dtype in step),
+        *(ArraySpec(f"final/{name}", shape, dtype) for name, shape, dtype in observation),
+    ]

@@ -1,0 +1,63 @@
+"""The small file that says that a directory is an episode store, and of which schema."""
+
+import json
+import uuid
+from datetime import UTC, datetime
+from pathlib import Path
+
+from sheath_manip.dataset.durable import sync
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX
+from sheath_manip.exceptions import StoreError
+
+MARKER = "sheath-store.json"
+FORMAT = "sheath-store"
+SCHEMA = 1
+"""of the directory; each episode has its own, see `header.SCHEMA`"""
+
+
+def require_marker(path: Path) -> None:
+    """Raise StoreError unless `path` is a store of this schema."""
+    if not path.exists():
+        raise _no_store(path, "nothing")
+    if not (path / MARKER).is_file():
+        raise _no_store(path, f"a {'directory' if path.is_dir() else 'file'} without {MARKER}")
+    try:
+        marker = json.loads((path / MARKER).read_bytes())
+    except (OSError, ValueError) as error:
+        raise _no_store(path, f"a {MARKER} that does not decode ({error})") from error
+    if not isinstance(marker, dict) or marker.get("format") != FORMAT:
+        raise _no_store(path, f"a {MARKER} of another format")
+    if marker.get("schema") != SCHEMA:
+        raise StoreError(
+            f"{path} is an episode store of schema {marker.get('schema')}, wanted {SCHEMA}; read "
+            "it with the version of sheath-manip that made it"
+        )
+
+
+def write_marker(path: Path) -> None:
+    """Make a store of `path` unless it is one; nothing or an empty directory may be there.
+
+    Raises StoreError where something else is, and OSError.
+    """
+    path.mkdir(parents=True, exist_ok=True)
+    entries = sorted(entry.name for entry in path.iterdir())
+    foreign = [name for name in entries if not name.startswith(LEFTOVER_PREFIX)]
+    # Another process may have made the store since it was listed: the marker is asked for last.
+    if (path / MARKER).exists():
+        return
+    if foreign:
+        raise _no_store(path, f"a directory with {foreign[0]!r} in it")
+    aside = path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+    created_utc = datetime.now(UTC).isoformat(timespec="seconds")
+    aside.write_text(json.dumps({"format": FORMAT, "schema": SCHEMA, "created_utc": created_utc}))
+    sync(aside)
+    aside.replace(path / MARKER)
+    sync(path)
+    sync(path.parent)
+
+
+def _no_store(path: Path, found: str) -> StoreError:
+    return StoreError(
+        f"wanted an episode store at {path}, found {found}; give the directory that holds "
+        f"{MARKER}, or a new one to record into"
+    )

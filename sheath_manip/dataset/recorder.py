@@ -1,0 +1,22 @@
+"""A listener that puts each finished episode into a store."""
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.protocols import Environment
+from sheath_manip.types import Episode, EpisodeInfo, Step
+
+
+class Recorder:
+    """Appends every episode of the rollouts it listens to; an episode cut short leaves nothing."""
+
+    def __init__(self, store: EpisodeStore) -> None:
+        self.store = store
+
+    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
+        """Nothing is written before an episode is complete."""
+
+    def on_step(self, environment: Environment, step: Step) -> None:
+        """Nothing is written before an episode is complete."""
+
+    def on_end(self, episode: Episode) -> None:
+        """Append the episode; raises StoreError as `EpisodeStore.append` does."""
+        self.store.append(episode)

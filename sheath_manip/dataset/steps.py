@@ -1,0 +1,147 @@
+"""How the steps of an episode become arrays, and the arrays steps again."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
+from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.layout import Arrays, layout
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Action, Actor, Episode, GateDecision, Observation, Step
+
+
+def arrays_of(episode: Episode, header: Header) -> Arrays:
+    """The arrays of `layout(header)`; raises StoreError where the steps of `episode` disagree."""
+    name = episode_name(episode.info)
+    steps = episode.steps
+    for step in steps:
+        if step.observation.images.keys() != header.cameras.keys():
+            raise StoreError(
+                f"{name}: wanted the cameras {list(header.cameras)} in every step, "
+                f"one has {list(step.observation.images)}"
+            )
+    observations = [step.observation for step in steps]
+    decisions = [step.decision for step in steps]
+    final = episode.final_observation
+    policy_was_to_drive = bool(episode.info.checkpoint) or any(
+        step.proposed is not None for step in steps
+    )
+    by_expert = np.array([decision.actor is Actor.EXPERT for decision in decisions])
+    try:
+        arrays: Arrays = {
+            **{
+                f"images/{c}": np.stack([o.images[c] for o in observations]) for c in header.cameras
+            },
+            "features": np.stack([observation.features for observation in observations]),
+            "time_s": np.array([observation.time_s for observation in observations], np.float64),
+            "state": np.stack([step.state for step in steps]),
+            "proposed": _filled((step.proposed for step in steps), header.action_size),
+            "has_proposed": np.array([step.proposed is not None for step in steps]),
+            "labelled": _filled((step.labelled for step in steps), header.action_size),
+            "has_labelled": np.array([step.labelled is not None for step in steps]),
+            "executed": np.stack([step.executed for step in steps]),
+            "actor": np.array([header.actors.index(d.actor) for d in decisions], np.uint8),
+            "reason": np.array([header.reasons.index(d.reason) for d in decisions], np.uint8),
+            "intervention": by_expert & policy_was_to_drive,
+            "query": np.array([bool(decision.query) for decision in decisions]),
+            "score": np.array([decision.score for decision in decisions], np.float64),
+            "threshold": np.array([decision.threshold for decision in decisions], np.float64),
+            "reward": np.array([step.reward for step in steps], np.float64),
+            **{
+                f"final/images/{camera}": np.asarray(final.images[camera])
+                for camera in header.cameras
+            },
+            "final/features": np.asarray(final.features),
+            "final/time_s": np.array(final.time_s, np.float64),
+            "final/state": np.asarray(episode.final_state),
+        }
+    except ValueError as error:
+        raise StoreError(f"{name}: its steps have arrays of different shapes ({error})") from error
+    for spec in layout(header):
+        # A silent conversion would make the replay differ from what was recorded.
+        if arrays[spec.path].shape != spec.shape or arrays[spec.path].dtype != spec.dtype:
+            raise StoreError(
+                f"{name}: {spec.path} is {arrays[spec.path].dtype} {arrays[spec.path].shape}; "
+                f"wanted {spec.dtype} {spec.shape}"
+            )
+    return arrays
+
+
+def episode_from(header: Header, arrays: Arrays) -> Episode:
+    """The episode of `header`; where `arrays` lacks images, its observations have none.
+
+    Raises FaultError as `require_known_codes` does.
+    """
+    require_known_codes(header, arrays)
+    cameras = [camera for camera in header.cameras if f"images/{camera}" in arrays]
+    actors, reasons = arrays["actor"].tolist(), arrays["reason"].tolist()
+    scores, thresholds = arrays["score"].tolist(), arrays["threshold"].tolist()
+    queries, rewards = arrays["query"].tolist(), arrays["reward"].tolist()
+    times_s = arrays["time_s"].tolist()
+    steps = tuple(
+        Step(
+            observation=Observation(
+                {camera: arrays[f"images/{camera}"][t] for camera in cameras},
+                arrays["features"][t],
+                times_s[t],
+            ),
+            state=arrays["state"][t],
+            proposed=arrays["proposed"][t] if arrays["has_proposed"][t] else None,
+            labelled=arrays["labelled"][t] if arrays["has_labelled"][t] else None,
+            decision=GateDecision(
+                header.actors[actors[t]],
+                queries[t],
+                header.reasons[reasons[t]],
+                scores[t],
+                thresholds[t],
+            ),
+            executed=arrays["executed"][t],
+            reward=rewards[t],
+        )
+        for t in range(header.length)
+    )
+    return Episode(
+        info=header.info,
+        steps=steps,
+        final_observation=Observation(
+            {camera: arrays[f"final/images/{camera}"] for camera in cameras},
+            arrays["final/features"],
+            float(arrays["final/time_s"]),
+        ),
+        final_state=arrays["final/state"],
+        terminated=header.terminated,
+        truncated=header.truncated,
+        outcome=header.outcome,
+        metrics=header.metrics,
+    )
+
+
+def require_known_codes(header: Header, arrays: Arrays) -> None:
+    """Raise FaultError where an actor or a reason is a code that the header does not list."""
+    for name, meanings in (("actor", header.actors), ("reason", header.reasons)):
+        if arrays[name].max() >= len(meanings):
+            raise FaultError(
+                episode_name(header.info),
+                FaultKind.MISMATCH,
+                f"{name} holds the code {arrays[name].max()}, "
+                f"its header knows {len(meanings)}; {REMEDY}",
+            )
+
+
+def not_finite(arrays: Arrays) -> list[str]:
+    """Which of the actions that were executed or are trained on hold NaN or infinity.
+
+    What the policy merely proposed may: that is evidence about the policy.
+    """
+    labelled = arrays["labelled"][arrays["has_labelled"]]
+    actions = {"executed": arrays["executed"], "labelled": labelled}
+    return [name for name, action in actions.items() if not np.isfinite(action).all()]
+
+
+def _filled(actions: Iterable[Action | None], size: int) -> NDArray[np.float32]:
+    """(T, size) with NaN where there is no action, so that no reader takes it for one."""
+    missing = np.full(size, np.nan, dtype=np.float32)
+    return np.stack([missing if action is None else action for action in actions])

@@ -1,0 +1,214 @@
+"""The episode store: a directory with one immutable zarr group an episode.
+
+An episode is written aside, synced, and renamed to its name: any number of processes may append and
+read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no reader looks at.
+"""
+
+import shutil
+import uuid
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from sheath_manip.dataset.durable import publish
+from sheath_manip.dataset.group import read_array, write_group
+from sheath_manip.dataset.header import Header, header_of, read_header
+from sheath_manip.dataset.layout import Arrays, layout
+from sheath_manip.dataset.marker import require_marker, write_marker
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
+from sheath_manip.dataset.steps import arrays_of, episode_from, not_finite
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+
+FREE_BYTES_KEPT = 200_000_000
+"""A disk filled to the brim takes more down with it than one recording."""
+LONGEST_NAME = 255
+"""characters in the name of a directory, on the usual file systems"""
+
+
+@dataclass(frozen=True)
+class EpisodeSummary:
+    """A stored episode at a glance, without its arrays."""
+
+    name: str
+    info: EpisodeInfo
+    length: int
+    """T, in control steps"""
+    outcome: Outcome
+    expert_share: float
+    """0..1 of the steps in which the expert acted"""
+    queries: int
+    """steps in which the gate asked for a label"""
+    metrics: Mapping[str, float]
+    bytes: int
+    """on the disk"""
+
+
+class EpisodeStore:
+    """The episodes of one directory; `EpisodeStore.create` also makes the directory.
+
+    Raises StoreError where `path` is no store.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        require_marker(self.path)
+
+    @classmethod
+    def create(cls, path: str | Path) -> "EpisodeStore":
+        """Open the store at `path`, made first where nothing or an empty directory is there.
+
+        Raises StoreError where something else is.
+        """
+        path = Path(path)
+        try:
+            write_marker(path)
+        except OSError as error:
+            raise StoreError(
+                f"cannot make an episode store at {path} ({error}); choose a writable directory"
+            ) from error
+        return cls(path)
+
+    def append(self, episode: Episode) -> str:
+        """Write `episode`, synced to the disk on return, and give its name.
+
+        Raises StoreError, with nothing changed, where an episode of that name exists (ask `has`
+        first), where an executed or labelled action is not finite, where the steps' arrays disagree
+        in shape or have other types than `types` declares, and where the disk is nearly full.
+        """
+        final = self._directory(episode.info)
+        name = final.name
+        if final.exists():
+            raise _taken(self.path, name)
+        header = header_of(episode)
+        arrays = arrays_of(episode, header)
+        for array in not_finite(arrays):
+            raise StoreError(
+                f"{name}: an action in {array!r} is not finite; "
+                "check actions with ActionSpec.validated"
+            )
+        aside = self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+        try:
+            self._require_space(sum(array.nbytes for array in arrays.values()))
+            write_group(aside, header, arrays)
+            publish(aside, final)
+        except FileExistsError as error:
+            raise _taken(self.path, name) from error
+        except OSError as error:
+            raise StoreError(f"cannot write {name} into {self.path} ({error})") from error
+        finally:
+            # After a success there is nothing left of that name.
+            shutil.rmtree(aside, ignore_errors=True)
+        return name
+
+    def has(self, info: EpisodeInfo) -> bool:
+        """Whether the episode of `info` is stored, so that a resumed run may skip it.
+
+        Raises StoreError where its name is taken by an episode of another task, checkpoint or
+        control rate: skipping that one would mix two runs.
+        """
+        directory = self._directory(info)
+        if not directory.exists():
+            return False
+        held = read_header(directory).info
+        if held != info:
+            both = ((f.name, getattr(held, f.name), getattr(info, f.name)) for f in fields(info))
+            differing = ", ".join(f"{key} {a!r} instead of {b!r}" for key, a, b in both if a != b)
+            raise StoreError(
+                f"{self.path} holds {directory.name} of another run: {differing}; "
+                "record into a new store"
+            )
+        return True
+
+    def names(self) -> list[str]:
+        """The names of all episodes, sorted; entries that are no episode are left out."""
+        try:
+            entries = [e for e in self.path.iterdir() if is_episode_name(e.name) and e.is_dir()]
+        except OSError as error:
+            raise StoreError(f"cannot list {self.path} ({error})") from error
+        return sorted(entry.name for entry in entries)
+
+    def summary(self, name: str) -> EpisodeSummary:
+        """One episode at a glance; raises StoreError where its header cannot be read."""
+        header = self._header(name)
+        return EpisodeSummary(
+            name=name,
+            info=header.info,
+            length=header.length,
+            outcome=header.outcome,
+            expert_share=header.expert_steps / header.length,
+            queries=header.queries,
+            metrics=header.metrics,
+            bytes=sum(
+                file.stat().st_size for file in (self.path / name).rglob("*") if file.is_file()
+            ),
+        )
+
+    def infos(self) -> list[EpisodeSummary]:
+        """All episodes at a glance, sorted by name; raises StoreError as `summary` does."""
+        return [self.summary(name) for name in self.names()]
+
+    def read(self, name: str, need_images: bool = True) -> Episode:
+        """The episode as it was recorded, to the bit; raises StoreError where it is damaged.
+
+        Without `need_images` no image is decompressed and every `Observation.images` is empty.
+        """
+        header = self._header(name)
+        arrays: Arrays = {
+            spec.path: read_array(self.path / name, spec)
+            for spec in layout(header)
+            if need_images or not spec.is_image
+        }
+        return episode_from(header, arrays)
+
+    def read_many(self, names: Iterable[str], need_images: bool = True) -> Iterator[Episode]:
+        """The named episodes, each read when it is asked for; raises StoreError as `read` does."""
+        return (self.read(name, need_images) for name in names)
+
+    def episodes(
+        self,
+        purpose: Purpose | None = None,
+        method: str | None = None,
+        round: int | None = None,
+        run_seed: int | None = None,
+        need_images: bool = True,
+    ) -> Iterator[Episode]:
+        """The episodes that match all that is given, in the order (round, index, name)."""
+        wanted = {"purpose": purpose, "method": method, "round": round, "run_seed": run_seed}
+        infos = ((self._header(name).info, name) for name in self.names())
+        matching = [
+            (info.round, info.index, name)
+            for info, name in infos
+            if all(value is None or getattr(info, key) == value for key, value in wanted.items())
+        ]
+        return self.read_many((name for *_, name in sorted(matching)), need_images)
+
+    def _directory(self, info: EpisodeInfo) -> Path:
+        name = episode_name(info)
+        if len(name) > LONGEST_NAME:
+            raise StoreError(
+                f"the method {info.method!r} makes a directory name of {len(name)} characters, "
+                f"wanted at most {LONGEST_NAME}; choose a shorter one in plain letters"
+            )
+        return self.path / name
+
+    def _header(self, name: str) -> Header:
+        if not is_episode_name(name) or not (self.path / name).is_dir():
+            raise StoreError(f"{self.path} has no episode {name!r}; `sheath data list` shows all")
+        return read_header(self.path / name)
+
+    def _require_space(self, needed_bytes: int) -> None:
+        free_bytes = shutil.disk_usage(self.path).free
+        if free_bytes < FREE_BYTES_KEPT + needed_bytes:
+            raise StoreError(
+                f"the disk of {self.path} has {free_bytes / 1e6:.0f} MB free, wanted "
+                f"{(FREE_BYTES_KEPT + needed_bytes) / 1e6:.0f} MB; free some or record elsewhere "
+                "(what was recorded before is safe)"
+            )
+
+
+def _taken(path: Path, name: str) -> StoreError:
+    return StoreError(
+        f"{path} already holds {name}, and it is kept; skip what `EpisodeStore.has` knows, or "
+        "record under another run seed or into a new store"
+    )

@@ -1,0 +1,34 @@
+"""Errors that a user can act on; the command line prints each as one line and exits with code 2."""
+
+from collections.abc import Iterable
+
+
+class SheathError(Exception):
+    """The root of all errors raised on purpose: what was wanted, what came, what would have worked."""
+
+
+class UnknownNameError(SheathError):
+    """A name that is in no table."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        super().__init__(f"unknown {kind} {name!r}; known: {', '.join(sorted(known))}")
+
+
+class ActionError(SheathError):
+    """An action of the wrong shape, outside its bounds, or not finite."""
+
+
+class CheckpointError(SheathError):
+    """A checkpoint that is missing, broken, of an older schema, or of another task."""
+
+
+class StoreError(SheathError):
+    """A path that is no episode store, or an episode in it that cannot be read."""
+
+
+class ParameterError(SheathError):
+    """A hyperparameter outside its range, or data of the wrong shape."""
+
+
+class SetupError(SheathError):
+    """Something that the machine lacks: a GL library, a free port, disk."""

@@ -1,0 +1,8 @@
+"""Gates: who acts at each step, and which states get the expert's label."""
+
+from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
+from sheath_manip.gates.mixture import Mixture
+from sheath_manip.gates.support import SupportGate
+from sheath_manip.gates.takeover import RandomTakeover
+
+__all__ = ["AlwaysExpert", "AlwaysPolicy", "Mixture", "RandomTakeover", "SupportGate"]

@@ -1,0 +1,29 @@
+"""Random takeover: the baseline that tells what a gate's choice of moments is worth.
+
+Given the expert's share that a support gate had, it takes over as often, but at random steps.
+"""
+
+import numpy as np
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.mixture import Mixture
+from sheath_manip.types import Action, GateDecision, Observation
+
+
+class RandomTakeover:
+    """The expert acts in an expected share of the steps, drawn independently; all are labelled."""
+
+    def __init__(self, share: float) -> None:
+        """Store the expert's share of the steps, in 0..1; ParameterError outside."""
+        if not 0 <= share <= 1:
+            raise ParameterError(f"share is {share}; wanted the expert's share in 0..1, like 0.3")
+        self.share = share
+        self._mixture = Mixture(share)
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Draw from `rng` from now on."""
+        self._mixture.reset(rng)
+
+    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+        """One draw a step; the expert in any case where `proposed` is None."""
+        return self._mixture.decide(observation, proposed)

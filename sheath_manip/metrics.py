@@ -1,0 +1,102 @@
+"""What an episode amounts to, and what a set of episodes says: rates and means with their intervals."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from sheath_manip.types import Actor, Episode, Outcome
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class EpisodeRecord:
+    """The figures of one episode, without its images."""
+
+    seed: int
+    outcome: Outcome
+    metrics: Mapping[str, float]
+    steps: int
+    expert_steps: int
+    queries: int
+    """steps with a label, whether the expert acted or was only asked"""
+    switches: int
+    """changes of who acts"""
+    interventions: int
+    """runs of steps in which the expert acts, in an episode that has a policy"""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What a set of episodes says. Intervals are 95 %; episodes count as independent."""
+
+    episodes: int
+    failure_rate: float
+    success_rate: float
+    metric: Mapping[str, float]
+    """means"""
+    ci95: Mapping[str, tuple[float, float]]
+    """of failure_rate and success_rate (Wilson) and of each metric (Student's t)"""
+
+
+def record_of(episode: Episode) -> EpisodeRecord:
+    """The figures of one episode."""
+    expert = np.array([step.decision.actor is Actor.EXPERT for step in episode.steps])
+    has_policy = any(step.proposed is not None for step in episode.steps)
+    starts = int(np.count_nonzero(np.diff(expert.astype(int), prepend=0) == 1))
+    return EpisodeRecord(
+        seed=episode.info.seed,
+        outcome=episode.outcome,
+        metrics=dict(episode.metrics),
+        steps=len(episode),
+        expert_steps=int(expert.sum()),
+        queries=sum(step.labelled is not None for step in episode.steps),
+        switches=int(np.count_nonzero(np.diff(expert.astype(int)))),
+        interventions=starts if has_policy else 0,
+    )
+
+
+def figures_of(records: Sequence[EpisodeRecord]) -> Figures:
+    """Rates and means of `records`; all NaN where there are none."""
+    count = len(records)
+    failures = sum(record.outcome is Outcome.FAILURE for record in records)
+    successes = sum(record.outcome is Outcome.SUCCESS for record in records)
+    names = sorted({name for record in records for name in record.metrics})
+    values = {name: np.array([record.metrics[name] for record in records]) for name in names}
+    return Figures(
+        episodes=count,
+        failure_rate=failures / count if count else float("nan"),
+        success_rate=successes / count if count else float("nan"),
+        metric={name: float(column.mean()) for name, column in values.items()},
+        ci95={
+            "failure_rate": rate_interval(failures, count),
+            "success_rate": rate_interval(successes, count),
+            **{name: mean_interval(column) for name, column in values.items()},
+        },
+    )
+
+
+def expert_share(records: Sequence[EpisodeRecord]) -> float:
+    """Share of all steps in which the expert acted."""
+    steps = sum(record.steps for record in records)
+    return sum(record.expert_steps for record in records) / steps if steps else float("nan")
+
+
+def rate_interval(hits: int, count: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a rate; (0, 1) where nothing was counted."""
+    if count == 0:
+        return 0.0, 1.0
+    interval = stats.binomtest(hits, count).proportion_ci(CONFIDENCE, method="wilson")
+    return float(interval.low), float(interval.high)
+
+
+def mean_interval(values: np.ndarray) -> tuple[float, float]:
+    """Student's 95 % interval of the mean of (n,) values; the mean itself where n < 2."""
+    mean = float(np.mean(values))
+    spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+    if spread == 0.0:
+        return mean, mean
+    half = float(stats.t.ppf(0.5 + CONFIDENCE / 2, len(values) - 1)) * spread / len(values) ** 0.5
+    return mean - half, mean + half

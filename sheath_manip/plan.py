@@ -1,0 +1,66 @@
+"""How much to learn and with what: the settings of one experiment."""
+
+import dataclasses
+from dataclasses import dataclass
+
+from sheath_manip.exceptions import ParameterError
+
+
+@dataclass(frozen=True)
+class LearningPlan:
+    """The settings of rounds of learning; the same plan and seed give the same result."""
+
+    policy: str = "cnn"
+    embedding: str = "pooled-convolutions"
+    support: str = "one-class-svm"
+    nu: float = 0.05
+    """bound on the share of training states outside the support"""
+    bandwidth_factor: float = 1.0
+    """c of the RBF, in units of the median squared distance"""
+    false_alarm_rate: float = 0.05
+    """of new expert steps, which the threshold is calibrated for"""
+    methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
+    seeds: tuple[int, ...] = (0, 1, 2)
+    """of training runs"""
+    demonstrations: int = 10
+    """expert episodes before round 1"""
+    calibration: int = 10
+    """held-out expert episodes for the threshold"""
+    check: int = 10
+    """further held-out expert episodes, to measure false alarms"""
+    rounds: int = 8
+    episodes: int = 10
+    """in a round"""
+    held_out: int = 20
+    """scenes on which the policy alone is judged after each round"""
+    final: int = 20
+    """scenes of the task's `final` variant on which the last policy is judged"""
+    held_out_set: str = "held-out"
+    """which evaluation scenes; tuning uses another name"""
+    stop_below_loss: float = 0.0
+    """end the rounds once the surrogate loss of a round is below this"""
+
+    def __post_init__(self) -> None:
+        counts = ("rounds", "episodes", "demonstrations", "held_out", "final", "check")
+        for name in counts:
+            if getattr(self, name) < 1:
+                raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 1")
+        if self.calibration < 3:
+            raise ParameterError(
+                f"calibration is {self.calibration}; the threshold wants at least 3 held-out episodes"
+            )
+        if not 0 < self.nu <= 1:
+            raise ParameterError(f"nu is {self.nu}; wanted more than 0 and at most 1")
+        if not 0 < self.false_alarm_rate < 1:
+            raise ParameterError(f"false_alarm_rate is {self.false_alarm_rate}; wanted 0 .. 1")
+
+    def units(self) -> int:
+        """How many episodes and fits the whole experiment runs (repeated preparation included)."""
+        first = self.demonstrations + self.calibration + self.check + 1 + self.held_out
+        prepare = first - self.held_out
+        rounds = self.rounds * (self.episodes + 1 + self.held_out) + self.final
+        return len(self.seeds) * (first + len(self.methods) * (prepare + rounds))
+
+    def described(self) -> dict:
+        """As plain values, for summaries and for recognising a run that is resumed."""
+        return dataclasses.asdict(self)

@@ -1,0 +1,102 @@
+"""How raw vectors are scaled before distances between them mean anything."""
+
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.covariance import LedoitWolf
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Arrays
+
+# A feature that hardly ever moved in training would be blown up beyond all others by its own tiny
+# standard deviation: one faint pixel would then decide what is outside. No feature is magnified
+# more than 10 times as much as the median one.
+LEAST_RELATIVE_STD = 0.1
+
+
+class Scaling(Protocol):
+    """A fitted map of (n, d) vectors to (n, d) vectors of comparable entries."""
+
+    def fit(self, X: NDArray) -> Self:
+        """Fit to (n, d) vectors."""
+        ...
+
+    def transform(self, X: NDArray) -> NDArray[np.float32]:
+        """(n, d) scaled vectors."""
+        ...
+
+    def arrays(self) -> Arrays:
+        """The learned state."""
+        ...
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over a learned state."""
+        ...
+
+
+class Standardisation:
+    """Zero mean and unit standard deviation, with a floor for features that (nearly) never move."""
+
+    def fit(self, X: NDArray) -> Self:
+        """Fit to (n, d) vectors; ParameterError where they are empty or not finite."""
+        X = np.asarray(X, dtype=np.float64)
+        if X.ndim != 2 or len(X) == 0 or not np.isfinite(X).all():
+            raise ParameterError(
+                f"cannot scale vectors of shape {X.shape}; wanted finite (n > 0, d)"
+            )
+        deviations = X.std(axis=0)
+        moving = deviations[deviations > 0]
+        floor = LEAST_RELATIVE_STD * float(np.median(moving)) if len(moving) else 1.0
+        self.mean_ = X.mean(axis=0).astype(np.float32)
+        self.factor_ = (1 / np.maximum(deviations, floor)).astype(np.float32)
+        return self
+
+    def transform(self, X: NDArray) -> NDArray[np.float32]:
+        """(n, d) standardised vectors."""
+        return (np.asarray(X, dtype=np.float32) - self.mean_) * self.factor_
+
+    def arrays(self) -> Arrays:
+        """Mean and factor, each (d,)."""
+        return {"mean": self.mean_, "factor": self.factor_}
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.mean_ = np.asarray(arrays["mean"], dtype=np.float32)
+        self.factor_ = np.asarray(arrays["factor"], dtype=np.float32)
+        return self
+
+
+class Whitening:
+    """Standardised, then times the inverse root of a shrunk covariance, all dimensions kept.
+
+    Ledoit & Wolf 2004, 'A well-conditioned estimator for large-dimensional covariance matrices'.
+    Small directions are kept, since what is unseen lies there; shrinkage stops them exploding.
+    """
+
+    def __init__(self) -> None:
+        self.standardisation = Standardisation()
+
+    def fit(self, X: NDArray) -> Self:
+        """Fit to (n, d) vectors; ParameterError where they are empty or not finite."""
+        Z = self.standardisation.fit(X).transform(X).astype(np.float64)
+        covariance = LedoitWolf(assume_centered=True).fit(Z).covariance_
+        values, vectors = np.linalg.eigh(covariance)
+        # Shrinkage leaves zero eigenvalues only where nothing moved at all.
+        roots = np.sqrt(np.maximum(values, 1e-6 * max(float(values[-1]), 1e-6)))
+        self.matrix_ = ((vectors / roots) @ vectors.T).astype(np.float32)
+        return self
+
+    def transform(self, X: NDArray) -> NDArray[np.float32]:
+        """(n, d) whitened vectors."""
+        return self.standardisation.transform(X) @ self.matrix_
+
+    def arrays(self) -> Arrays:
+        """Mean and factor, each (d,), and the (d, d) whitening matrix."""
+        return {**self.standardisation.arrays(), "matrix": self.matrix_}
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.standardisation.load(arrays)
+        self.matrix_ = np.asarray(arrays["matrix"], dtype=np.float32)
+        return self

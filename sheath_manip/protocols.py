@@ -1,0 +1,179 @@
+"""The few interfaces: what a task, an expert, a policy, an embedding, a support estimator, a gate and a listener must offer."""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.types import (
+    Action,
+    Episode,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Outcome,
+    SceneGeom,
+    Step,
+    TaskSpec,
+    Transition,
+)
+
+Arrays = Mapping[str, NDArray]
+"""The learned state of a component as plain arrays: what a checkpoint holds, with no code in it."""
+
+
+class Environment(Protocol):
+    """A seeded task: the same seed and actions give the same episode to the bit."""
+
+    @property
+    def spec(self) -> TaskSpec:
+        """The task's constant description."""
+        ...
+
+    def reset(self, seed: int) -> Observation:
+        """Start the episode that belongs to `seed`."""
+        ...
+
+    def step(self, action: Action) -> Transition:
+        """Run one control step."""
+        ...
+
+    def outcome(self) -> Outcome:
+        """How the episode stands: TIME_LIMIT until it succeeds or fails."""
+        ...
+
+    def metrics(self) -> Mapping[str, float]:
+        """The episode's figures so far, `spec.metric` among them."""
+        ...
+
+    def state(self) -> NDArray[np.float64]:
+        """(s,) the whole simulator state."""
+        ...
+
+    def restore(self, state: NDArray[np.float64]) -> Observation:
+        """Continue from a `state()` of an episode with the present seed."""
+        ...
+
+    def scene(self) -> Sequence[SceneGeom]:
+        """The visible shapes, constant between resets."""
+        ...
+
+    def body_poses(self) -> NDArray[np.float64]:
+        """(b, 7) position (m) and wxyz quaternion of every body in the world frame, now."""
+        ...
+
+    def close(self) -> None:
+        """Free what the simulator and its renderer hold."""
+        ...
+
+
+class Expert(Protocol):
+    """Knows what to do from any state; may look at the physics, given in its constructor."""
+
+    def reset(self) -> None:
+        """Forget the last episode; called after the environment's reset."""
+        ...
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) what the expert would do now. Asked at most once a step."""
+        ...
+
+
+class Policy(Protocol):
+    """Maps observations to actions; looks at the observation only."""
+
+    def fit(self, samples: Samples) -> Self:
+        """Fit to the labels of `samples`, continuing from the present parameters where there are any."""
+        ...
+
+    def predict(self, images: Mapping[str, NDArray[np.uint8]], features: NDArray) -> NDArray[np.float32]:
+        """(n, a) actions for (n, h, w, 3) images by camera and (n, f) features."""
+        ...
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) the action for one observation."""
+        ...
+
+    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+        """(n,) in 0..1: how far each predicted action is from its label."""
+        ...
+
+    def arrays(self) -> Arrays:
+        """The learned state."""
+        ...
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over a learned state."""
+        ...
+
+
+class Embedding(Protocol):
+    """Maps observations to the vectors on which the support is estimated; its scaling is part of it."""
+
+    def fit(self, policy: Policy, samples: Samples) -> Self:
+        """Fit to the training states of `policy`."""
+        ...
+
+    def transform(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, d) scaled vectors for (n, h, w, 3) images by camera and (n, f) features."""
+        ...
+
+    def arrays(self) -> Arrays:
+        """The learned state, without the policy's."""
+        ...
+
+    def load(self, policy: Policy, arrays: Arrays) -> Self:
+        """Take over a learned state on top of `policy`."""
+        ...
+
+
+class SupportEstimator(Protocol):
+    """Says how far inside the training data's support a vector lies."""
+
+    def fit(self, X: NDArray) -> Self:
+        """Fit to (n, d) vectors."""
+        ...
+
+    def decision_function(self, X: NDArray) -> NDArray[np.float64]:
+        """(n,) scores, positive inside; a row that is not finite scores NaN."""
+        ...
+
+    def arrays(self) -> Arrays:
+        """The learned state."""
+        ...
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over a learned state."""
+        ...
+
+
+class Gate(Protocol):
+    """Decides at each step who acts and whether the expert is asked for a label."""
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Forget the last episode; all randomness comes from `rng`."""
+        ...
+
+    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+        """Decide for one step; `proposed` is None where the policy had nothing valid to say."""
+        ...
+
+
+class Listener(Protocol):
+    """Follows a rollout without the loop knowing what it is: recorder, dashboard, progress bar."""
+
+    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
+        """Called after the environment's reset."""
+        ...
+
+    def on_step(self, environment: Environment, step: Step) -> None:
+        """Called after each step; may block, for instance while a person holds the run paused."""
+        ...
+
+    def on_end(self, episode: Episode) -> None:
+        """Called once the episode is complete."""
+        ...

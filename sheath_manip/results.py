@@ -1,0 +1,73 @@
+"""What one round of learning showed, and its file."""
+
+import dataclasses
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sheath_manip.exceptions import StoreError
+from sheath_manip.metrics import EpisodeRecord
+from sheath_manip.theory import Bound
+from sheath_manip.types import Outcome
+
+
+@dataclass(frozen=True)
+class RoundResult:
+    """One round of one method from one training seed. Round 0 is the demonstrations."""
+
+    method: str
+    run_seed: int
+    round: int
+    checkpoint: str
+    """digest of the checkpoint fitted at the end of the round"""
+    executed: tuple[EpisodeRecord, ...]
+    """what really ran in the round: the last policy under its gate"""
+    policy: tuple[EpisodeRecord, ...]
+    """the new policy alone on held-out scenes"""
+    final: tuple[EpisodeRecord, ...]
+    """the last round's policy alone on the scenes of the task's `final` variant"""
+    false_alarm_rate: float
+    """share of the steps of new expert episodes that lie below the threshold"""
+    missed_rate: float
+    """of the steps at which the policy's action was not the expert's, the share it acted in"""
+    surrogate_loss: float
+    """of the policy that drove, over the states visited"""
+    bound: Bound
+    threshold: float
+    states: int
+    """labelled states aggregated so far"""
+    wall_s: float
+
+
+def write_result(path: Path, result: RoundResult) -> None:
+    """Write atomically."""
+    write_json(path, dataclasses.asdict(result))
+
+
+def read_result(path: Path) -> RoundResult:
+    """Raises StoreError for a file that is missing or no result."""
+    try:
+        fields = json.loads(path.read_text())
+        for name in ("executed", "policy", "final"):
+            fields[name] = tuple(
+                EpisodeRecord(**{**record, "outcome": Outcome(record["outcome"])})
+                for record in fields[name]
+            )
+        return RoundResult(**{**fields, "bound": Bound(**fields["bound"])})
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise StoreError(
+            f"{path} is no result of a round ({error}); remove it to have the round measured again"
+        ) from error
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write `content` beside `path`, then rename: a reader sees the old file or the new one."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    aside = path.with_name(f".{path.name}.{os.getpid()}")
+    with aside.open("w") as file:
+        json.dump(content, file, indent=1)
+        file.flush()
+        os.fsync(file.fileno())
+    aside.replace(path)

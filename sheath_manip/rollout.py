@@ -1,0 +1,98 @@
+"""The one control loop: demonstrations, training, evaluation and teleoperation all run through it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sheath_manip.exceptions import ActionError, ParameterError
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.types import (
+    Action,
+    ActionSpec,
+    Actor,
+    Episode,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Reason,
+    Step,
+)
+
+
+def rollout(
+    environment: Environment,
+    info: EpisodeInfo,
+    gate: Gate,
+    *,
+    rng: np.random.Generator,
+    policy: Policy | None = None,
+    expert: Expert | None = None,
+    listeners: Sequence[Listener] = (),
+) -> Episode:
+    """Run the episode of `info.seed` to its end.
+
+    The policy proposes, the gate decides who acts and whether a label is asked for, and the expert
+    is asked at most once a step. A proposal that is no action (NaN, out of bounds) hands the step
+    to the expert. Raises ParameterError where the gate wants an expert or a policy that is not
+    there, and ActionError where the expert's own action is none.
+    """
+    observation = environment.reset(info.seed)
+    gate.reset(rng)
+    if expert is not None:
+        expert.reset()
+    for listener in listeners:
+        listener.on_start(environment, info)
+
+    steps: list[Step] = []
+    terminated = truncated = False
+    while not (terminated or truncated):
+        state = environment.state()
+        proposed = _proposal(policy, observation, environment.spec.action)
+        decision = gate.decide(observation, proposed)
+        if policy is not None and proposed is None and decision.actor is Actor.POLICY:
+            decision = GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
+        labelled = None
+        if decision.query or decision.actor is Actor.EXPERT:
+            labelled = _label(expert, observation, environment.spec.action)
+        executed = labelled if decision.actor is Actor.EXPERT else proposed
+        if executed is None:
+            raise ParameterError("the gate lets the policy act, but the rollout was given no policy")
+        transition = environment.step(executed)
+        step = Step(observation, state, proposed, labelled, decision, executed, transition.reward)
+        steps.append(step)
+        observation = transition.observation
+        terminated, truncated = transition.terminated, transition.truncated
+        for listener in listeners:
+            listener.on_step(environment, step)
+
+    episode = Episode(
+        info,
+        tuple(steps),
+        observation,
+        environment.state(),
+        terminated,
+        truncated,
+        environment.outcome(),
+        environment.metrics(),
+    )
+    for listener in listeners:
+        listener.on_end(episode)
+    return episode
+
+
+def _proposal(policy: Policy | None, observation: Observation, spec: ActionSpec) -> Action | None:
+    if policy is None:
+        return None
+    try:
+        return spec.validated(policy.act(observation))
+    except ActionError:
+        return None
+
+
+def _label(expert: Expert | None, observation: Observation, spec: ActionSpec) -> Action:
+    if expert is None:
+        raise ParameterError(
+            "the gate asks for the expert, but the rollout was given none (or the policy proposed "
+            "no valid action and nobody can take over)"
+        )
+    return spec.validated(expert.act(observation))

@@ -1,0 +1,31 @@
+"""What a task offers to the framework: one entry of the written-out table TASKS."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sheath_manip.plan import LearningPlan
+from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.protocols import Environment, Expert
+
+
+@dataclass(frozen=True)
+class TaskEntry:
+    """How to make a task, its expert and its experiment. Everything in it can be pickled."""
+
+    name: str
+    summary: str
+    variants: Mapping[str, Callable[[], Environment]]
+    """by name; `default` is used where none is asked for, `final` to judge final policies"""
+    expert: Callable[[Any], Expert]
+    """from the environment, since an expert may look at the physics"""
+    plans: Mapping[str, LearningPlan]
+    """`full` and `quick`"""
+    figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
+    """figures of this task alone, by name"""
+
+    def make(self, variant: str = "default") -> Environment:
+        """A new environment; raises UnknownNameError."""
+        if variant not in self.variants:
+            raise UnknownNameError(f"variant of {self.name}", variant, self.variants)
+        return self.variants[variant]()

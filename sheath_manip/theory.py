@@ -1,0 +1,50 @@
+"""The quantities of the SHEATH draft's theorem 4.2, as they can be measured in one round."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sheath_manip.types import Episode
+
+
+@dataclass(frozen=True)
+class Bound:
+    """J(pi) <= T (epsilon_N + xi): how many mistakes an episode holds, and what bounds them.
+
+    The draft states it for the best policy in hindsight and the mass that the support estimate
+    leaves out. The loss is 0-1 and 1 where the two controls DIFFER (the draft's Eq. 8 is inverted).
+    """
+
+    horizon: float
+    """T: mean number of control steps of the round's episodes"""
+    epsilon: float
+    """epsilon_N: mean surrogate loss, over all aggregated states, of the policy fitted to them.
+    It stands for the best policy in hindsight, to which the fit is an upper bound."""
+    xi: float
+    """share of the steps visited in the round that lie outside the support estimated before it"""
+    measured: float
+    """J: T times the mean surrogate loss, over the states visited in the round, of the policy that
+    drove it"""
+
+    @property
+    def value(self) -> float:
+        """T (epsilon_N + xi); each visited state is either outside (loss at most 1) or inside."""
+        return self.horizon * (self.epsilon + self.xi)
+
+
+def measure(
+    episodes: Sequence[Episode], scores: np.ndarray, threshold: float, losses: np.ndarray, epsilon: float
+) -> Bound:
+    """The bound of one round.
+
+    `scores` and `losses` are (n,) over the labelled states of `episodes`: support score and
+    surrogate loss of the policy that drove them. A score that is not a number counts as outside.
+    """
+    horizon = float(np.mean([len(episode) for episode in episodes]))
+    return Bound(
+        horizon=horizon,
+        epsilon=epsilon,
+        xi=float(np.mean(~(scores >= threshold))),
+        measured=horizon * float(np.mean(losses)),
+    )

@@ -1,0 +1,219 @@
+"""The small frozen values that cross every boundary of the framework."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.exceptions import ActionError
+
+Action = NDArray[np.float32]
+"""(a,) what is commanded for one control step, in the units of the task's `ActionSpec`."""
+
+
+class Actor(StrEnum):
+    """Who drives a control step."""
+
+    POLICY = "policy"
+    EXPERT = "expert"
+
+
+class Reason(StrEnum):
+    """Why a gate chose its actor."""
+
+    FIXED = "fixed"
+    """the gate always says so, or its schedule does"""
+    DRAWN = "drawn"
+    """a random draw decided"""
+    INSIDE = "inside support"
+    OUTSIDE = "outside support"
+    HOLD = "held by hysteresis"
+    """inside again, but not yet far or long enough to hand back"""
+    NO_SCORE = "no score"
+    """the score is missing or not a number: the expert acts"""
+    INVALID_PROPOSAL = "invalid proposal"
+    """the policy proposed an action that is no action: the expert acts"""
+
+
+class Outcome(StrEnum):
+    """How an episode ended, in the task's own terms."""
+
+    SUCCESS = "success"
+    FAILURE = "failure"
+    TIME_LIMIT = "time-limit"
+
+
+class Purpose(StrEnum):
+    """What an episode was recorded for; episodes of different purposes never share a seed."""
+
+    DEMONSTRATION = "demonstration"
+    CALIBRATION = "calibration"
+    LEARNING = "learning"
+    EVALUATION = "evaluation"
+
+
+@dataclass(frozen=True, eq=False)
+class ActionSpec:
+    """The space that policy, expert and person share."""
+
+    names: tuple[str, ...]
+    """one per dimension, each ending in its unit, such as `steering_rad`"""
+    minimum: NDArray[np.float32]
+    """(a,)"""
+    maximum: NDArray[np.float32]
+    """(a,)"""
+    choices: NDArray[np.float32] | None = None
+    """(k, a) the admissible actions where the space is discrete"""
+
+    def validated(self, action: Any) -> Action:
+        """Return `action` as (a,) float32, or raise ActionError naming what is wrong with it."""
+        array = np.asarray(action, dtype=np.float32)
+        if array.shape != self.minimum.shape:
+            raise ActionError(
+                f"action has shape {array.shape}; wanted {self.minimum.shape} ({', '.join(self.names)})"
+            )
+        if not np.isfinite(array).all():
+            raise ActionError(f"action is not finite: {array.tolist()} ({', '.join(self.names)})")
+        if (array < self.minimum - 1e-6).any() or (array > self.maximum + 1e-6).any():
+            raise ActionError(
+                f"action {array.tolist()} leaves its bounds "
+                f"{self.minimum.tolist()} .. {self.maximum.tolist()} ({', '.join(self.names)})"
+            )
+        return array
+
+
+@dataclass(frozen=True)
+class TaskSpec:
+    """What the core is told about a task."""
+
+    name: str
+    control_rate_hz: float
+    action: ActionSpec
+    cameras: Mapping[str, tuple[int, int]]
+    """(height, width) in pixels, by camera"""
+    feature_names: tuple[str, ...]
+    """the entries of `Observation.features`, each ending in its unit"""
+    max_steps: int
+    """the time limit, in control steps"""
+    metric: str
+    """the entry of `Episode.metrics` by which the task is judged; more is better"""
+    plane: tuple[str, str] | None = None
+    """the two features that span the task's natural plane (metres), where it has one"""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """What is seen at one control step."""
+
+    images: Mapping[str, NDArray[np.uint8]]
+    """(h, w, 3) RGB by camera"""
+    features: NDArray[np.float32]
+    """(f,) in the order of `TaskSpec.feature_names`"""
+    time_s: float
+
+
+@dataclass(frozen=True)
+class GateDecision:
+    """Who acts, and whether the expert is asked for a label: two separate outputs of a gate."""
+
+    actor: Actor
+    query: bool
+    """ask the expert for a label even though the policy may act"""
+    reason: Reason
+    score: float = float("nan")
+    """support score, positive inside; NaN where the gate computes none"""
+    threshold: float = float("nan")
+    """the score below which the expert takes over; NaN where the gate has none"""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One control step, as recorded."""
+
+    observation: Observation
+    """before the action"""
+    state: NDArray[np.float64]
+    """(s,) simulator state before the action, for replay"""
+    proposed: Action | None
+    """what the policy wanted"""
+    labelled: Action | None
+    """what the expert would do, where it was asked"""
+    decision: GateDecision
+    executed: Action
+    reward: float
+
+
+@dataclass(frozen=True)
+class EpisodeInfo:
+    """Where an episode comes from: enough to run it again."""
+
+    task: str
+    seed: int
+    """of the scene"""
+    purpose: Purpose
+    control_rate_hz: float
+    method: str = ""
+    round: int = 0
+    index: int = 0
+    """within its round"""
+    run_seed: int = 0
+    """of the training run it belongs to"""
+    checkpoint: str = ""
+    """content hash of the policy and gate that drove it; empty where none did"""
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """T steps and T+1 observations."""
+
+    info: EpisodeInfo
+    steps: tuple[Step, ...]
+    final_observation: Observation
+    final_state: NDArray[np.float64]
+    terminated: bool
+    """the task reached an end of its own (dm_env: discount 0)"""
+    truncated: bool
+    """the time ran out (dm_env: discount 1)"""
+    outcome: Outcome
+    metrics: Mapping[str, float] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """What an environment answers to an action."""
+
+    observation: Observation
+    reward: float
+    terminated: bool
+    truncated: bool
+
+
+@dataclass(frozen=True, eq=False)
+class SceneGeom:
+    """One visible shape of the scene, fixed to a body, for viewers that know no simulator."""
+
+    body: int
+    """row in the environment's `body_poses()`"""
+    shape: str
+    """"box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh" or "picture" (a textured plane)"""
+    size: NDArray[np.float64]
+    """(3,) metres: half extents of a box, ellipsoid or picture; (radius, half length, 0) of a capsule or
+    cylinder along its z axis; (radius, 0, 0) of a sphere; scale of a mesh"""
+    rgba: tuple[float, float, float, float]
+    """each 0..1"""
+    position_in_body: NDArray[np.float64]
+    """(3,) metres"""
+    wxyz_in_body: NDArray[np.float64]
+    """(4,) unit quaternion"""
+    vertices: NDArray[np.float32] | None = None
+    """(v, 3) metres, of a mesh"""
+    faces: NDArray[np.int32] | None = None
+    """(t, 3), of a mesh"""
+    picture: NDArray[np.uint8] | None = None
+    """(h, w, 3) RGB, of a picture: row 0 lies at +y, column 0 at -x"""

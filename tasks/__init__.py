@@ -1,0 +1,1 @@
+"""One dm_control task a folder, each runnable as a script."""

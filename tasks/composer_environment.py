@@ -1,0 +1,163 @@
+"""From a dm_control composer task to the core's `Environment`: one adapter for all tasks."""
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+
+import dm_env
+import mujoco
+import numpy as np
+from dm_control import composer
+from numpy.typing import NDArray
+
+from sheath_manip.types import (
+    Action,
+    Observation,
+    Outcome,
+    SceneGeom,
+    TaskSpec,
+    Transition,
+)
+from tasks.scene import scene_geoms
+
+_STATE = (
+    mujoco.mjtState.mjSTATE_TIME
+    | mujoco.mjtState.mjSTATE_QPOS
+    | mujoco.mjtState.mjSTATE_QVEL
+    | mujoco.mjtState.mjSTATE_ACT
+    | mujoco.mjtState.mjSTATE_MOCAP_POS
+    | mujoco.mjtState.mjSTATE_MOCAP_QUAT
+    | mujoco.mjtState.mjSTATE_WARMSTART
+)
+
+
+class SheathTask(composer.Task):
+    """What a composer task adds to be learned under a gate.
+
+    Observables of dimension 3 are images, named after their camera; all others are joined, in
+    order, to the features.
+    """
+
+    spec: TaskSpec
+
+    @abstractmethod
+    def outcome(self) -> Outcome:
+        """SUCCESS or FAILURE once it is decided, TIME_LIMIT until then."""
+
+    @abstractmethod
+    def metrics(self) -> Mapping[str, float]:
+        """The episode's figures so far."""
+
+    @abstractmethod
+    def memory(self) -> NDArray[np.float64]:
+        """(m,) what the task remembers beside MuJoCo's state."""
+
+    @abstractmethod
+    def recall(self, memory: NDArray[np.float64]) -> None:
+        """Take over a `memory()`."""
+
+    def should_terminate_episode(self, physics) -> bool:  # noqa: ARG002
+        """End once the outcome is decided."""
+        return self.outcome() is not Outcome.TIME_LIMIT
+
+    def get_discount(self, physics) -> float:  # noqa: ARG002
+        """0 at an end of the task's own; the time limit keeps 1 (dm_env's convention)."""
+        return 1.0 if self.outcome() is Outcome.TIME_LIMIT else 0.0
+
+
+class ComposerEnvironment:
+    """Runs a `SheathTask` by seed. The model is compiled once, so reset must only move things."""
+
+    def __init__(self, task: SheathTask) -> None:
+        self.task = task
+        self._environment = composer.Environment(
+            task,
+            random_state=0,
+            strip_singleton_obs_buffer_dim=True,
+            recompile_mjcf_every_episode=False,
+        )
+        self._steps = 0
+
+    @property
+    def spec(self) -> TaskSpec:
+        """The task's constant description."""
+        return self.task.spec
+
+    @property
+    def physics(self):
+        """The composer physics, for experts."""
+        return self._environment.physics
+
+    def reset(self, seed: int) -> Observation:
+        """Start the episode that belongs to `seed` (0 .. 2**32 - 1)."""
+        self._environment.random_state.seed(seed)
+        self._steps = 0
+        return self._observation(self._environment.reset())
+
+    def step(self, action: Action) -> Transition:
+        """Run one control step; raises ActionError for an action outside the spec."""
+        time_step = self._environment.step(self.spec.action.validated(action))
+        self._steps += 1
+        terminated = time_step.last()
+        return Transition(
+            self._observation(time_step),
+            float(time_step.reward or 0.0),
+            terminated=terminated,
+            truncated=not terminated and self._steps >= self.spec.max_steps,
+        )
+
+    def outcome(self) -> Outcome:
+        """How the episode stands."""
+        return self.task.outcome()
+
+    def metrics(self) -> Mapping[str, float]:
+        """The episode's figures so far."""
+        return self.task.metrics()
+
+    def state(self) -> NDArray[np.float64]:
+        """(s,) step count, the task's memory, MuJoCo's state."""
+        model, data = self.physics.model.ptr, self.physics.data.ptr
+        simulator = np.empty(mujoco.mj_stateSize(model, _STATE))
+        mujoco.mj_getState(model, data, simulator, _STATE)
+        return np.concatenate([[self._steps], self.task.memory(), simulator])
+
+    def restore(self, state: NDArray[np.float64]) -> Observation:
+        """Continue from a `state()`; bit-exact from there on."""
+        model, data = self.physics.model.ptr, self.physics.data.ptr
+        simulator = state[-mujoco.mj_stateSize(model, _STATE) :]
+        self._steps = int(state[0])
+        mujoco.mj_setState(model, data, simulator, _STATE)
+        self.task.recall(state[1 : len(state) - len(simulator)])
+        self.physics.forward()
+        return self.observe()
+
+    def observe(self) -> Observation:
+        """Look at the present state afresh."""
+        observables = self.task.observables
+        values = {
+            name: observable(self.physics, None)
+            for name, observable in observables.items()
+            if observable.enabled
+        }
+        return self._split(values)
+
+    def scene(self) -> Sequence[SceneGeom]:
+        """The visible shapes."""
+        return scene_geoms(self.physics.model.ptr)
+
+    def body_poses(self) -> NDArray[np.float64]:
+        """(b, 7) position (m) and wxyz quaternion of every body in the world frame."""
+        data = self.physics.data
+        return np.concatenate([data.xpos, data.xquat], axis=1)
+
+    def close(self) -> None:
+        """Free physics and renderer."""
+        self._environment.close()
+
+    def _observation(self, time_step: dm_env.TimeStep) -> Observation:
+        return self._split(time_step.observation)
+
+    def _split(self, values: Mapping[str, NDArray]) -> Observation:
+        images = {camera: np.asarray(values[camera]) for camera in self.spec.cameras}
+        rest = [np.ravel(value) for name, value in values.items() if name not in images]
+        features = np.concatenate(rest).astype(np.float32)
+        return Observation(images, features, float(self.physics.time()))

@@ -1,0 +1,30 @@
+"""Driving on a closed track among slower cars."""
+
+from functools import partial
+
+from sheath_manip.plan import LearningPlan
+from sheath_manip.task import TaskEntry
+from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.expert import DrivingExpert
+from tasks.driving.task import DrivingTask, Scenario
+
+
+def make(scenario: Scenario) -> ComposerEnvironment:
+    """An environment of this task."""
+    return ComposerEnvironment(DrivingTask(scenario))
+
+
+DRIVING = TaskEntry(
+    name="driving",
+    summary="laps on a closed track among slower cars, steered from an overhead camera",
+    variants={
+        "default": partial(make, Scenario()),
+        # The last policies are judged over three laps.
+        "final": partial(make, Scenario(laps=3.0)),
+        # The draft's camera: 500 px and two levels of the pyramid, three times as dear a frame and
+        # 0.8/255 away from the default's.
+        "paper-camera": partial(make, Scenario(render_px=500, pyramid_levels=2)),
+    },
+    expert=DrivingExpert,
+    plans={"full": LearningPlan(), "quick": LearningPlan()},
+)

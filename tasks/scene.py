@@ -1,0 +1,71 @@
+"""MuJoCo's visible geometry as plain values, for viewers that know no simulator."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.types import SceneGeom
+
+_SHAPES = {
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_MESH: "mesh",
+    mujoco.mjtGeom.mjGEOM_PLANE: "picture",
+}
+_VISIBLE_GROUPS = (0, 1, 2)
+
+
+def scene_geoms(model: mujoco.MjModel) -> list[SceneGeom]:
+    """All opaque geoms of the groups that MuJoCo draws by default."""
+    geoms = []
+    for index in range(model.ngeom):
+        shape = _SHAPES.get(mujoco.mjtGeom(model.geom_type[index]))
+        rgba = _rgba(model, index)
+        if shape is None or rgba[3] == 0 or model.geom_group[index] not in _VISIBLE_GROUPS:
+            continue
+        vertices, faces = _mesh(model, index) if shape == "mesh" else (None, None)
+        geoms.append(
+            SceneGeom(
+                body=int(model.geom_bodyid[index]),
+                shape=shape,
+                size=np.ones(3) if shape == "mesh" else model.geom_size[index].copy(),
+                rgba=(rgba[0], rgba[1], rgba[2], rgba[3]),
+                position_in_body=model.geom_pos[index].copy(),
+                wxyz_in_body=model.geom_quat[index].copy(),
+                vertices=vertices,
+                faces=faces,
+                picture=_picture(model, index) if shape == "picture" else None,
+            )
+        )
+    return geoms
+
+
+def _rgba(model: mujoco.MjModel, geom: int) -> list[float]:
+    material = model.geom_matid[geom]
+    source = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    return [float(value) for value in source]
+
+
+def _mesh(model: mujoco.MjModel, geom: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    mesh = model.geom_dataid[geom]
+    vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+    return (
+        model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].copy(),
+        model.mesh_face[face : face + model.mesh_facenum[mesh]].copy(),
+    )
+
+
+def _picture(model: mujoco.MjModel, geom: int) -> NDArray[np.uint8] | None:
+    material = model.geom_matid[geom]
+    if material < 0:
+        return None
+    texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
+    if texture < 0:
+        return None
+    height, width = int(model.tex_height[texture]), int(model.tex_width[texture])
+    channels, start = int(model.tex_nchannel[texture]), int(model.tex_adr[texture])
+    flat = model.tex_data[start : start + height * width * channels]
+    return flat.reshape(height, width, channels)[..., :3].copy()

@@ -1,0 +1,47 @@
+"""A toy task for the learning parts: steer towards the red square in a grey picture."""
+
+from functools import cache
+
+import numpy as np
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.policies import make_policy
+from sheath_manip.protocols import Policy
+from sheath_manip.types import ActionSpec, Observation, TaskSpec
+
+CHOICES = np.radians([[-15.0], [0.0], [15.0]]).astype(np.float32)
+ACTION = ActionSpec(("steering_rad",), CHOICES[0], CHOICES[-1], CHOICES)
+SPEC = TaskSpec("blobs", 8.0, ACTION, {"top": (125, 125)}, ("x_m",), 100, "steps")
+
+
+def blob_samples(count: int, seed: int, choices: tuple[int, ...] = (0, 1, 2)) -> Samples:
+    """Squares left, in the middle or right, jittered over noise; 50 states an episode."""
+    rng = np.random.default_rng(seed)
+    images = rng.integers(90, 110, (count, 125, 125, 3), dtype=np.uint8)
+    chosen = rng.choice(choices, count)
+    for image, choice in zip(images, chosen, strict=True):
+        column = 20 + 35 * choice + rng.integers(-6, 7)
+        row = 50 + rng.integers(-20, 20)
+        image[row : row + 20, column : column + 20] = (200, 40, 40)
+    features = np.zeros((count, 1), dtype=np.float32)
+    return Samples({"top": images}, features, CHOICES[chosen], np.arange(count) // 50)
+
+
+def observation_of(samples: Samples, index: int) -> Observation:
+    return Observation({"top": samples.images["top"][index]}, samples.features[index], 0.0)
+
+
+@cache
+def training() -> Samples:
+    return blob_samples(300, seed=0)
+
+
+@cache
+def held_out() -> Samples:
+    return blob_samples(200, seed=1)
+
+
+@cache
+def fitted_policy(name: str) -> Policy:
+    """Fitted once for all tests, which must not fit it again."""
+    return make_policy(name, SPEC, seed=0).fit(training())

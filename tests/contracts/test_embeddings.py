@@ -1,0 +1,85 @@
+"""What every embedding of the table must do."""
+
+import numpy as np
+import pytest
+from sklearn.metrics import roc_auc_score
+
+from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.policies import EMBEDDINGS, make_embedding
+from sheath_manip.support import OneClassSupport
+from tests.blobs import fitted_policy, held_out, training
+
+SPATIAL = ("pooled-convolutions", "pooled-convolutions-whitened", "pixels")
+
+
+@pytest.fixture(scope="module")
+def embeddings():
+    """All of them, fitted to the training states of one policy."""
+    policy = fitted_policy("cnn")
+    return {name: make_embedding(name).fit(policy, training()) for name in EMBEDDINGS}
+
+
+@pytest.mark.parametrize("name", sorted(EMBEDDINGS))
+def test_gives_finite_vectors_one_by_one_as_in_a_batch(name, embeddings):
+    samples = held_out()
+    vectors = embeddings[name].transform(samples.images, samples.features)
+    assert vectors.shape[0] == len(samples)
+    assert vectors.dtype == np.float32
+    assert np.isfinite(vectors).all()
+    one = samples.take(np.arange(1))
+    single = embeddings[name].transform(one.images, one.features)
+    np.testing.assert_allclose(single[0], vectors[0], atol=2e-3)
+
+
+@pytest.mark.parametrize("name", sorted(EMBEDDINGS))
+def test_loaded_arrays_transform_the_same(name, embeddings):
+    one = held_out().take(np.arange(5))
+    loaded = make_embedding(name).load(fitted_policy("cnn"), embeddings[name].arrays())
+    np.testing.assert_array_equal(
+        loaded.transform(one.images, one.features),
+        embeddings[name].transform(one.images, one.features),
+    )
+
+
+def test_the_pooled_convolutions_keep_every_layer(embeddings):
+    one = held_out().take(np.arange(1))
+    vectors = embeddings["pooled-convolutions"].transform(one.images, one.features)
+    assert vectors.shape == (1, (16 + 32 + 32) * 4 * 4)
+
+
+@pytest.mark.parametrize("name", SPATIAL)
+@pytest.mark.parametrize("change", ["shifted", "occluded"])
+def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
+    samples, embedding = held_out(), embeddings[name]
+    pictures = samples.images["top"]
+    if change == "shifted":
+        unseen = np.roll(pictures, -45, axis=1)
+    else:
+        unseen = pictures.copy()
+        unseen[:, :50] = 0
+    states = training()
+    support = OneClassSupport().fit(embedding.transform(states.images, states.features))
+    scores = [
+        support.decision_function(embedding.transform({"top": images}, samples.features))
+        for images in (pictures, unseen)
+    ]
+    truth = np.repeat([1, 0], len(samples))
+    assert roc_auc_score(truth, np.concatenate(scores)) > 0.99
+
+
+@pytest.mark.parametrize("name", sorted(set(EMBEDDINGS) - {"pixels"}))
+def test_convolutions_are_asked_for_in_one_line(name):
+    with pytest.raises(ParameterError, match="needs a policy with convolutions") as caught:
+        make_embedding(name).fit(fitted_policy("hog-svm"), training())
+    assert "\n" not in str(caught.value)
+
+
+def test_pixels_need_no_convolutions():
+    embedding = make_embedding("pixels").fit(fitted_policy("hog-svm"), training())
+    one = held_out().take(np.arange(1))
+    assert embedding.transform(one.images, one.features).shape == (1, 768)
+
+
+def test_unknown_name():
+    with pytest.raises(UnknownNameError, match="pooled-convolutions"):
+        make_embedding("pooled")

@@ -1,0 +1,200 @@
+import http.client
+import socket
+from http import HTTPStatus
+from urllib.parse import urlsplit
+
+import msgspec
+import pytest
+import viser
+import viser._viser
+from viser._messages import ShareUrlDisconnect, ShareUrlRequest
+from websockets.datastructures import Headers
+from websockets.exceptions import InvalidStatus
+from websockets.http11 import Request
+from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin, Subprotocol
+
+from sheath_manip.dashboard import Dashboard
+from sheath_manip.dashboard.access import AccessControl
+from sheath_manip.dashboard.server import GuardedServer
+from sheath_manip.exceptions import ParameterError, SetupError
+
+
+def port_of(dashboard: Dashboard) -> int:
+    port = urlsplit(dashboard.address).port
+    assert port is not None
+    return port
+
+
+def get(
+    dashboard: Dashboard, path: str = "/", **headers: str
+) -> tuple[http.client.HTTPResponse, bytes]:
+    connection = http.client.HTTPConnection("127.0.0.1", port_of(dashboard), timeout=10)
+    try:
+        connection.request("GET", path, headers=headers)
+        response = connection.getresponse()
+        return response, response.read()
+    finally:
+        connection.close()
+
+
+def cookie_of(dashboard: Dashboard, token: str) -> str:
+    response, _ = get(dashboard, f"/?token={token}")
+    return (response.getheader("Set-Cookie") or "").partition(";")[0]
+
+
+def open_socket(
+    dashboard: Dashboard,
+    host: str | None = None,
+    origin: str | None = None,
+    cookie: str | None = None,
+    query: str = "",
+) -> ClientConnection:
+    port = port_of(dashboard)
+    return connect(
+        f"ws://{host or f'127.0.0.1:{port}'}/{query}",
+        sock=socket.create_connection(("127.0.0.1", port)),
+        origin=None if origin is None else Origin(origin),
+        additional_headers={} if cookie is None else {"Cookie": cookie},
+        subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+        max_size=None,
+        proxy=None,
+    )
+
+
+def assert_refused(dashboard: Dashboard, status: HTTPStatus, **how: str | None) -> None:
+    with pytest.raises(InvalidStatus) as refusal:
+        open_socket(dashboard, **how)  # type: ignore[arg-type]
+    assert refusal.value.response.status_code == status
+    assert not dashboard._server.viser._websock_server._client_state_from_id
+
+
+def test_websocket_without_cookie_is_unauthorized(dashboard: Dashboard, token: str) -> None:
+    assert_refused(dashboard, HTTPStatus.UNAUTHORIZED)
+    assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, cookie="sheath=1; other=2")
+    assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, query=f"?token={token}")
+    assert_refused(
+        dashboard, HTTPStatus.UNAUTHORIZED, cookie=f"sheath-{port_of(dashboard)}={token}"
+    )
+
+
+def test_websocket_of_another_site_is_forbidden(dashboard: Dashboard, token: str) -> None:
+    cookie = cookie_of(dashboard, token)
+    for origin in ("http://evil.example", "null", "http://127.0.0.1:1"):
+        assert_refused(dashboard, HTTPStatus.FORBIDDEN, origin=origin, cookie=cookie)
+
+
+def test_websocket_under_a_foreign_name_is_forbidden(dashboard: Dashboard, token: str) -> None:
+    cookie, port = cookie_of(dashboard, token), port_of(dashboard)
+    for host in (f"evil.example:{port}", "127.0.0.1:1", "127.0.0.1"):
+        assert_refused(dashboard, HTTPStatus.FORBIDDEN, host=host, cookie=cookie)
+    name = f"evil.example:{port}"
+    assert_refused(
+        dashboard, HTTPStatus.FORBIDDEN, host=name, origin=f"http://{name}", cookie=cookie
+    )
+
+
+def test_websocket_with_cookie_is_accepted(dashboard: Dashboard, token: str) -> None:
+    cookie, port = cookie_of(dashboard, token), port_of(dashboard)
+    for host in ("127.0.0.1", "localhost"):
+        name = f"{host}:{port}"
+        with open_socket(
+            dashboard, host=name, origin=f"http://{name}", cookie=f"a=b; {cookie}"
+        ) as connection:
+            assert connection.recv(timeout=10)
+
+
+def test_page_needs_token_or_cookie(dashboard: Dashboard, token: str) -> None:
+    assert get(dashboard)[0].status == HTTPStatus.UNAUTHORIZED
+    assert get(dashboard, "/?token=wrong-token")[0].status == HTTPStatus.UNAUTHORIZED
+    assert get(dashboard, "/?token=")[0].status == HTTPStatus.UNAUTHORIZED
+    assert get(dashboard, Host="evil.example")[0].status == HTTPStatus.FORBIDDEN
+
+    welcome, _ = get(dashboard, f"/?token={token}")
+    assert welcome.status == HTTPStatus.OK
+    attributes = (welcome.getheader("Set-Cookie") or "").split("; ")
+    assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(attributes)
+    assert attributes[0].startswith(f"sheath-{port_of(dashboard)}=")
+    assert token not in attributes[0]
+
+    response, page = get(dashboard, Cookie=attributes[0])
+    assert response.status == HTTPStatus.OK
+    assert b"<html" in page
+
+
+def test_query_never_reaches_the_page(dashboard: Dashboard, token: str) -> None:
+    cookie = cookie_of(dashboard, token)
+    response, _ = get(dashboard, "/?websocket=ws://evil.example", Cookie=cookie)
+    assert response.status == HTTPStatus.UNAUTHORIZED
+
+
+def test_share_is_refused(
+    dashboard: Dashboard, token: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    monkeypatch.setattr(viser._viser, "ViserTunnel", lambda *_: asked.append(True))
+    with open_socket(dashboard, cookie=cookie_of(dashboard, token)) as connection:
+        connection.recv(timeout=10)
+        connection.send(msgspec.msgpack.encode({"type": "ShareUrlRequest"}))
+        # The answer to a ping comes after the message before it was taken in.
+        assert connection.ping().wait(10)
+    dashboard._server.viser._thread_executor.submit(lambda: None).result(10)
+    assert not asked
+    assert not {ShareUrlRequest, ShareUrlDisconnect} & set(
+        dashboard._server.viser._websock_server._incoming_handlers
+    )
+    with pytest.raises(SetupError, match="tunnel"):
+        dashboard._server.viser.request_share_url()
+
+
+def test_taken_port_is_an_error(dashboard: Dashboard) -> None:
+    port = port_of(dashboard)
+    with pytest.raises(SetupError, match=f"127.0.0.1:{port} .*another port"):
+        GuardedServer.open("127.0.0.1", port, None, "second")
+
+
+def test_foreign_address_is_an_error() -> None:
+    with pytest.raises(SetupError, match=r"192\.0\.2\.1:0"):
+        GuardedServer.open("192.0.2.1", 0, None, "elsewhere")
+
+
+def test_short_token_is_an_error() -> None:
+    with pytest.raises(ParameterError, match="6 characters; wanted at least 8"):
+        GuardedServer.open("127.0.0.1", 0, "secret", "short")
+
+
+def test_serve_is_unwrapped_after_the_start(dashboard: Dashboard) -> None:
+    import websockets.asyncio.server as server
+
+    assert dashboard.address
+    assert server.serve.__module__ == "websockets.asyncio.server"
+
+
+@pytest.mark.parametrize(
+    ("bound", "asked", "admitted"),
+    [
+        ("0.0.0.0", "192.168.1.5:80", True),
+        ("0.0.0.0", "192.168.1.5", True),
+        ("0.0.0.0", "evil.example", False),
+        ("127.0.0.1", "192.168.1.5", False),
+        ("127.0.0.1", "LocalHost", True),
+        ("Robot.local", "robot.local:80", True),
+        ("::1", "[::1]", True),
+        ("::1", "[::1]:80", True),
+        ("::1", "[::1]:81", False),
+        ("127.0.0.1", "", False),
+        ("0.0.0.0", ":80", False),
+    ],
+)
+def test_hosts_admitted(bound: str, asked: str, admitted: bool) -> None:
+    access = AccessControl(bound, 80, "a-token-for-tests")
+    cookie = f"{access.cookie_name}={access.cookie_value}"
+    answer = access.answer(Request("/", Headers(Host=asked, Cookie=cookie)))
+    assert (answer is None) == admitted
+
+
+def test_two_hosts_are_forbidden() -> None:
+    headers = Headers([("Host", "localhost:80"), ("Host", "localhost:80")])
+    answer = AccessControl("127.0.0.1", 80, "a-token-for-tests").answer(Request("/", headers))
+    assert answer is not None
+    assert answer.status_code == HTTPStatus.FORBIDDEN

@@ -1,0 +1,209 @@
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from sheath_manip.dashboard import Dashboard, replay
+from sheath_manip.dashboard.drawer import Drawer
+from sheath_manip.dashboard.tally import Tally
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Environment, Listener
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Step
+
+
+def eventually(condition: Callable[[], bool], timeout_s: float = 5.0) -> bool:
+    deadline_s = time.monotonic() + timeout_s
+    while time.monotonic() < deadline_s:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_stalled_drawing_never_holds_the_loop(
+    dashboard: Dashboard,
+    environment: Environment,
+    episode: Episode,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawing, release = threading.Event(), threading.Event()
+
+    def stall(_: object) -> None:
+        drawing.set()
+        release.wait(20)
+
+    monkeypatch.setattr(type(dashboard._page), "watched", True)
+    monkeypatch.setattr(dashboard._page, "draw", stall)
+    dashboard.on_start(environment, episode.info)
+    assert drawing.wait(5)
+    took_s = []
+    for step in episode.steps:
+        began_s = time.perf_counter()
+        dashboard.on_step(environment, step)
+        took_s.append(time.perf_counter() - began_s)
+    release.set()
+    # Other processes share the machine, so the median and not the worst.
+    assert np.median(took_s) < 2e-3
+
+
+def test_pause_blocks_and_resume_releases(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
+    dashboard.on_start(environment, episode.info)
+    dashboard.pause()
+    assert dashboard.paused
+    stepped = threading.Event()
+
+    def run() -> None:
+        dashboard.on_step(environment, episode.steps[0])
+        stepped.set()
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    assert not stepped.wait(0.2)
+    dashboard.resume()
+    assert stepped.wait(5)
+    thread.join(5)
+
+
+def test_close_releases_a_paused_run(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
+    dashboard.on_start(environment, episode.info)
+    dashboard.pause()
+    run = threading.Thread(target=dashboard.on_step, args=(environment, episode.steps[0]))
+    run.start()
+    dashboard.close()
+    run.join(5)
+    assert not run.is_alive()
+
+
+def test_training_of_a_wrong_shape_is_an_error(dashboard: Dashboard) -> None:
+    with pytest.raises(ParameterError, match=r"\(4, 3\); wanted \(n, 2\)"):
+        dashboard.show_training(np.zeros((4, 3)))
+
+
+def test_drawer_outlives_failures(caplog: pytest.LogCaptureFixture) -> None:
+    drawn, failures = [], []
+
+    def draw() -> None:
+        drawn.append(True)
+        if len(drawn) < 4:
+            raise ValueError("no ink")
+
+    drawer = Drawer(draw, failures.append, rate_hz=200)
+    for count in range(1, 5):
+        drawer.wake()
+        assert eventually(lambda count=count: len(drawn) == count)
+    drawer.close()
+    assert failures == ["ValueError: no ink"] * 3
+    assert len(caplog.records) == 1
+    assert "no ink" in caplog.text
+
+
+def test_failed_drawing_marks_the_page_and_not_the_run(
+    dashboard: Dashboard,
+    environment: Environment,
+    episode: Episode,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(_: object) -> None:
+        raise ValueError("no <ink>")
+
+    trouble = dashboard._page.panel._trouble
+    monkeypatch.setattr(type(dashboard._page), "watched", True)
+    with monkeypatch.context() as broken:
+        broken.setattr(dashboard._page, "draw", fail)
+        dashboard.on_start(environment, episode.info)
+        dashboard.on_step(environment, episode.steps[0])
+        assert eventually(lambda: trouble.visible)
+        assert "out of date" in trouble.content
+        assert "no &lt;ink&gt;" in trouble.content
+    dashboard.on_step(environment, episode.steps[1])
+    assert eventually(lambda: not trouble.visible)
+
+
+def test_drawer_keeps_its_rate() -> None:
+    drawn = []
+    drawer = Drawer(lambda: drawn.append(True), pytest.fail, rate_hz=20)
+    until_s = time.monotonic() + 0.5
+    while time.monotonic() < until_s:
+        drawer.wake()
+        time.sleep(0.001)
+    drawer.close()
+    assert 2 <= len(drawn) <= 12
+
+
+def test_tally_counts_interventions_and_outcomes(episode: Episode) -> None:
+    tally = Tally()
+    for outcome in (Outcome.SUCCESS, Outcome.FAILURE):
+        tally.start(episode.info)
+        for step in episode.steps:
+            tally.step(step)
+        tally.end(outcome)
+    figures = tally.figures
+    assert figures is not None
+    expert = [step.decision.actor is Actor.EXPERT for step in episode.steps]
+    begun = sum(now and not before for before, now in zip([False, *expert], expert, strict=False))
+    assert figures.episode.interventions == begun > 1
+    assert figures.series.interventions == 2 * begun
+    assert figures.episode.expert_steps == sum(expert)
+    assert figures.series.steps == 2 * len(expert)
+    assert figures.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
+    assert len(tally.scores) == len(expert)
+
+
+def test_demonstration_is_no_intervention(episode: Episode) -> None:
+    tally = Tally()
+    tally.start(episode.info)
+    for step in episode.steps:
+        tally.step(
+            Step(
+                step.observation,
+                step.state,
+                None,
+                step.executed,
+                step.decision,
+                step.executed,
+                0.0,
+            )
+        )
+    assert tally.figures is not None
+    assert tally.figures.episode.interventions == 0
+    assert tally.figures.episode.expert_steps > 0
+
+
+class Log(Listener):
+    def __init__(self) -> None:
+        self.told: list[tuple[str, float]] = []
+
+    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
+        self.told.append((f"start {info.method}", environment.state()[0]))
+
+    def on_step(self, environment: Environment, step: Step) -> None:
+        self.told.append((f"step {step.decision.actor}", environment.state()[0]))
+
+    def on_end(self, episode: Episode) -> None:
+        self.told.append(("end", episode.final_state[0]))
+
+
+def test_replay_tells_of_each_step_after_it(environment: Environment, episode: Episode) -> None:
+    log = Log()
+    began_s = time.monotonic()
+    replay(log, environment, episode, speed=20)
+    # 150 steps at 20 Hz, twenty times as fast.
+    assert time.monotonic() - began_s > 0.37
+    states = [step.state[0] for step in episode.steps] + [episode.final_state[0]]
+    assert log.told[0] == ("start sheath", states[0])
+    assert log.told[1:-1] == [
+        (f"step {step.decision.actor}", state)
+        for step, state in zip(episode.steps, states[1:], strict=True)
+    ]
+    assert log.told[-1] == ("end", states[-1])
+
+
+def test_replay_refuses_a_standstill(environment: Environment, episode: Episode) -> None:
+    with pytest.raises(ParameterError, match="more than 0"):
+        replay(Log(), environment, episode, speed=0)

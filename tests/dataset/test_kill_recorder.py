@@ -1,0 +1,15 @@
+from pathlib import Path
+
+from tools.kill_recorder import KillReport, kill_recorder
+
+
+def test_three_kills_harm_no_committed_episode(tmp_path: Path) -> None:
+    report = kill_recorder(tmp_path / "store", kills=3)
+    assert report.lossless, report
+    assert report.kills == 3
+    assert str(report).startswith("3 kills, ")
+
+
+def test_a_lost_episode_is_no_pass() -> None:
+    assert not KillReport(1, 1, (), ("learning-s0-r00-i000-seed0",), 0).lossless
+    assert not KillReport(1, 1, ("learning-s0-r00-i000-seed0",), (), 0).lossless

@@ -1,0 +1,66 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.cnn import ConvPolicy
+from tests.blobs import SPEC, blob_samples, fitted_policy, held_out, observation_of
+
+
+def weights(policy: ConvPolicy) -> np.ndarray:
+    return np.concatenate([np.ravel(array) for array in policy.arrays().values()])
+
+
+def test_a_refit_continues_from_the_present_weights():
+    samples = blob_samples(60, seed=5)
+    policy = ConvPolicy(SPEC, epochs=2, warm_steps=1, batch_size=20, learning_rate=1e-4)
+    before = weights(policy.fit(samples))
+    after = weights(policy.fit(samples))
+    # One step of Adam moves no weight by much more than the learning rate.
+    assert 0 < np.abs(after - before)[:-1].max() < 2e-4
+    assert policy.fits_ == 2
+
+
+def test_the_global_generator_is_left_alone():
+    before = torch.get_rng_state()
+    ConvPolicy(SPEC, epochs=1).fit(blob_samples(20, seed=6))
+    assert torch.equal(torch.get_rng_state(), before)
+
+
+def test_seeds_differ():
+    samples = blob_samples(20, seed=7)
+    first, second = (ConvPolicy(SPEC, epochs=1, seed=seed).fit(samples) for seed in (0, 1))
+    assert not np.array_equal(weights(first), weights(second))
+
+
+def test_activations_of_every_layer():
+    policy = fitted_policy("cnn")
+    assert isinstance(policy, ConvPolicy)
+    five = held_out().take(np.arange(5)).images
+    assert [tuple(layer.shape) for layer in policy.activations(five)] == [
+        (5, 16, 30, 30),
+        (5, 32, 14, 14),
+        (5, 32, 6, 6),
+    ]
+    assert tuple(policy.penultimate(five).shape) == (5, 64)
+    np.testing.assert_allclose(policy.probabilities(five).sum(axis=1), 1, rtol=1e-5)
+
+
+def test_read_only_images_give_no_warning():
+    samples = blob_samples(20, seed=8)
+    samples.images["top"].flags.writeable = False
+    policy = ConvPolicy(SPEC, epochs=1).fit(samples)
+    policy.predict(samples.images, samples.features)
+    policy.act(observation_of(samples, 0))
+
+
+def test_shapes_that_cannot_be():
+    samples = blob_samples(2, seed=9)
+    with pytest.raises(ParameterError, match="too small"):
+        ConvPolicy(replace(SPEC, cameras={"top": (20, 20)})).fit(samples)
+    with pytest.raises(ParameterError, match="4 convolution layers"):
+        ConvPolicy(SPEC, channels=(8, 8, 8, 8)).fit(samples)
+    with pytest.raises(ParameterError, match="not those of a network"):
+        ConvPolicy(SPEC, hidden=(8,)).load(fitted_policy("cnn").arrays())

@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.support.calibration import held_out_threshold
+
+
+def test_the_expected_share_of_new_steps_is_the_asked_rate():
+    rng = np.random.default_rng(0)
+    # Of uniform scores, the share below the threshold is the threshold itself.
+    shares = [
+        held_out_threshold([rng.uniform(size=60) for _ in range(5)], 0.05) for _ in range(500)
+    ]
+    assert np.mean(shares) == pytest.approx(0.05, abs=0.002)
+
+
+def test_a_small_sample_is_corrected():
+    rng = np.random.default_rng(1)
+    shares = [held_out_threshold([rng.uniform(size=4) for _ in range(3)], 0.2) for _ in range(2000)]
+    assert 0.1 < np.mean(shares) <= 0.2
+
+
+def test_alike_within_an_episode_the_share_keeps_its_bound():
+    rng = np.random.default_rng(3)
+    shares = []
+    for _ in range(2000):
+        *held_out, new = rng.normal(size=(6, 1)) + 0.1 * rng.normal(size=(6, 30))
+        shares.append((new < held_out_threshold(held_out, 0.1)).mean())
+    assert np.mean(shares) <= (0.1 * 5 + 1) / (5 + 1)
+
+
+def test_episodes_count_alike_however_long():
+    scores = [np.full(1000, 1.0), np.full(10, 2.0), np.full(10, 3.0)]
+    assert held_out_threshold(scores, 0.30) == 1.0
+    assert held_out_threshold(scores, 0.40) == 2.0
+
+
+def test_a_missing_score_counts_as_an_alarm():
+    scores = [np.linspace(0, 1, 101) for _ in range(3)]
+    complete = held_out_threshold(scores, 0.1)
+    for episode in scores:
+        episode[-5:] = np.nan
+    assert held_out_threshold(scores, 0.1) == pytest.approx(complete - 0.05)
+
+
+def test_the_share_below_the_threshold_never_exceeds_the_rate():
+    rng = np.random.default_rng(2)
+    for rate in (0.01, 0.05, 0.5, 0.99):
+        scores = [rng.integers(0, 5, size=n).astype(float) for n in (70, 90, 200, 30)]
+        threshold = held_out_threshold(scores, rate)
+        assert np.mean([(episode < threshold).mean() for episode in scores]) <= rate
+
+
+@pytest.mark.parametrize(
+    ("episodes", "rate", "message"),
+    [
+        ([np.ones(100)] * 2, 0.05, "at least 3"),
+        ([np.ones(100), np.ones(100), np.ones(0)], 0.05, "at least 3"),
+        ([np.ones(100)] * 3, 0.0, "false_alarm_rate"),
+        ([np.ones(100)] * 3, 1.0, "false_alarm_rate"),
+        ([np.ones(100)] * 3, float("nan"), "false_alarm_rate"),
+        ([np.ones(3)] * 3, 0.05, "wanted at least 20"),
+        ([np.full(100, np.nan)] * 3, 0.05, "300 of them without a score"),
+    ],
+)
+def test_what_cannot_be_calibrated(episodes, rate, message):
+    with pytest.raises(ParameterError, match=message):
+        held_out_threshold(episodes, rate)

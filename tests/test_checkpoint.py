@@ -1,0 +1,166 @@
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
+from sheath_manip.exceptions import CheckpointError
+from sheath_manip.policies import make_embedding
+from sheath_manip.support import OneClassSupport
+from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
+
+
+def checkpoint_of(policy_name: str, embedding_name: str) -> Checkpoint:
+    states, policy = training(), fitted_policy(policy_name)
+    embedding = make_embedding(embedding_name).fit(policy, states)
+    support = OneClassSupport(nu=0.1, bandwidth_factor=0.5)
+    support.fit(embedding.transform(states.images, states.features))
+    return Checkpoint(
+        task=SPEC.name,
+        policy_name=policy_name,
+        policy=policy,
+        embedding_name=embedding_name,
+        embedding=embedding,
+        support_name="one-class-svm",
+        support=support,
+        threshold=-0.01,
+        false_alarm_rate=0.05,
+        method="sheath",
+        round=3,
+        run_seed=1,
+    )
+
+
+@pytest.fixture(scope="module")
+def checkpoint() -> Checkpoint:
+    return checkpoint_of("cnn", "pooled-convolutions")
+
+
+@pytest.fixture
+def path(checkpoint, tmp_path) -> Path:
+    return checkpoint.save(tmp_path / "deep" / "round-03.npz")
+
+
+def rewritten(path: Path, **changes) -> Path:
+    """The same file with another header."""
+    with np.load(path) as file:
+        arrays = dict(file)
+    header = json.loads(str(arrays["header"])) | changes
+    np.savez(path, allow_pickle=False, **(arrays | {"header": np.array(json.dumps(header))}))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("policy", "embedding"),
+    [
+        ("cnn", "pooled-convolutions"),
+        ("paper-cnn", "pooled-convolutions-whitened"),
+        ("paper-cnn", "penultimate"),
+        ("hog-svm", "pixels"),
+    ],
+)
+def test_what_is_loaded_is_what_was_saved(policy, embedding, tmp_path):
+    saved = checkpoint_of(policy, embedding)
+    loaded = load_checkpoint(saved.save(tmp_path / "round.npz"), SPEC)
+    samples = held_out()
+    np.testing.assert_array_equal(loaded.scores(samples), saved.scores(samples))
+    np.testing.assert_array_equal(
+        loaded.policy.predict(samples.images, samples.features),
+        saved.policy.predict(samples.images, samples.features),
+    )
+    parts = {"policy": None, "embedding": None, "support": None}
+    assert {**vars(loaded), **parts} == {**vars(saved), **parts}
+    assert isinstance(loaded.support, OneClassSupport)
+    assert (loaded.support.nu, loaded.support.bandwidth_factor) == (0.1, 0.5)
+
+
+def test_one_score_is_that_of_the_batch(checkpoint):
+    samples = held_out()
+    scores = checkpoint.scores(samples)
+    for index in range(5):
+        score = checkpoint.score(observation_of(samples, index))
+        assert isinstance(score, float)
+        assert score == pytest.approx(scores[index], abs=1e-5)
+
+
+def test_the_digest_is_that_of_the_content(checkpoint, path, tmp_path):
+    again = checkpoint.save(tmp_path / "again.npz")
+    reloaded = load_checkpoint(path, SPEC).save(tmp_path / "reloaded.npz")
+    assert digest(path) == digest(again) == digest(reloaded)
+    assert len(digest(path)) == 16
+    other = replace(checkpoint, threshold=0.0).save(tmp_path / "other.npz")
+    assert digest(other) != digest(path)
+    with pytest.raises(CheckpointError, match="cannot read"):
+        digest(tmp_path / "missing.npz")
+
+
+def test_a_save_that_fails_leaves_the_old_file_and_no_litter(checkpoint, path, monkeypatch):
+    before = path.read_bytes()
+
+    def full_disk(_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr("sheath_manip.checkpoint.os.fsync", full_disk)
+    with pytest.raises(OSError, match="no space"):
+        replace(checkpoint, round=4).save(path)
+    assert path.read_bytes() == before
+    assert list(path.parent.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("content", [b"", b"not a checkpoint", b"PK\x03\x04 cut short", None])
+def test_broken_files_are_named_in_one_line(content, path):
+    path.write_bytes(path.read_bytes()[:5000] if content is None else content)
+    with pytest.raises(CheckpointError, match=r"round-03\.npz") as caught:
+        load_checkpoint(path, SPEC)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_flipped_byte_is_noticed(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(bytes(content))
+    with pytest.raises(CheckpointError):
+        load_checkpoint(path, SPEC)
+
+
+def test_missing_foreign_and_pickled_files(tmp_path):
+    with pytest.raises(CheckpointError, match="no checkpoint at"):
+        load_checkpoint(tmp_path / "missing.npz", SPEC)
+    foreign = tmp_path / "foreign.npz"
+    np.savez(foreign, weights=np.zeros(3))
+    with pytest.raises(CheckpointError, match="is no checkpoint"):
+        load_checkpoint(foreign, SPEC)
+    np.save(tmp_path / "one.npy", np.zeros(3))
+    with pytest.raises(CheckpointError, match="read"):
+        load_checkpoint(tmp_path / "one.npy", SPEC)
+    np.savez(foreign, header=np.array({"format": "sheath-checkpoint"}, dtype=object))
+    with pytest.raises(CheckpointError, match="cannot be read"):
+        load_checkpoint(foreign, SPEC)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"format": "another"}, "is no checkpoint"),
+        ({"schema": 99}, "has schema 99"),
+        ({"task": "grasp"}, "trained on task 'grasp'"),
+        ({"policy": {"name": "mlp", "hyper": {}}}, "unknown policy 'mlp'"),
+        ({"embedding": {"name": "clip"}}, "unknown embedding 'clip'"),
+        ({"support": {"name": "knn", "hyper": {}}}, "unknown support estimator 'knn'"),
+        ({"support": {"name": "one-class-svm", "hyper": {"mu": 1}}}, "broken"),
+        ({"policy": {}}, "broken"),
+        ({"round": None}, "broken"),
+    ],
+)
+def test_headers_that_do_not_fit(changes, message, path):
+    with pytest.raises(CheckpointError, match=message) as caught:
+        load_checkpoint(rewritten(path, **changes), SPEC)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_task_with_other_choices(path):
+    spec = replace(SPEC, action=replace(SPEC.action, choices=CHOICES[:2]))
+    with pytest.raises(CheckpointError, match="does not fit"):
+        load_checkpoint(path, spec)

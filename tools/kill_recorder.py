@@ -1,0 +1,225 @@
+"""Kill a recording process again and again, and see what its episode store has lost: nothing, ever.
+
+    python -m tools.kill_recorder --kills 30
+
+A child records synthetic episodes for ever into one store and is killed with SIGKILL at a random
+moment, mostly in the middle of a write. At the end every committed episode must still be there and
+equal, to the bit, to what was recorded. Exits with 1 where one is damaged or gone.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from sheath_manip.dataset.check import check
+from sheath_manip.dataset.faults import FaultKind
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.types import (
+    Actor,
+    Episode,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Outcome,
+    Purpose,
+    Reason,
+    Step,
+)
+
+LONGEST_WAIT_S = 0.6
+"""Several episodes long, so that kills fall on every part of a write."""
+READY = "ready"
+
+
+@dataclass(frozen=True)
+class KillReport:
+    """What a store was like after its recorder was killed `kills` times."""
+
+    kills: int
+    committed: int
+    """episodes in the store at the end"""
+    damaged: tuple[str, ...]
+    """committed episodes with a fault, or that differ from what was recorded"""
+    disappeared: tuple[str, ...]
+    """episodes that were committed once and are not there"""
+    leftovers: int
+
+    @property
+    def lossless(self) -> bool:
+        """Whether no committed episode was harmed."""
+        return not self.damaged and not self.disappeared
+
+    def __str__(self) -> str:
+        return (
+            f"{self.kills} kills, {self.committed} committed episodes, "
+            f"{len(self.damaged)} damaged, {len(self.disappeared)} disappeared, "
+            f"{self.leftovers} leftovers"
+        )
+
+
+def synthetic_info(run: int, index: int) -> EpisodeInfo:
+    """Where the synthetic episode `index` of run `run` comes from."""
+    return EpisodeInfo(
+        task="synthetic",
+        seed=1000 * run + index,
+        purpose=Purpose.LEARNING,
+        control_rate_hz=10.0,
+        method="noise",
+        index=index,
+        run_seed=run,
+    )
+
+
+def synthetic_episode(info: EpisodeInfo, length: int = 40, pixels: int = 125) -> Episode:
+    """An episode of noise with one square camera; the same `info` gives the same one."""
+    rng = np.random.default_rng(info.seed)
+
+    def observation(t: int) -> Observation:
+        image = rng.integers(0, 256, (pixels, pixels, 3), dtype=np.uint8)
+        return Observation({"front": image}, rng.random(6, np.float32), t / info.control_rate_hz)
+
+    def step(t: int) -> Step:
+        expert = bool(rng.random() < 0.3)
+        decision = GateDecision(
+            actor=Actor.EXPERT if expert else Actor.POLICY,
+            query=expert,
+            reason=Reason.OUTSIDE if expert else Reason.INSIDE,
+            score=float(rng.normal()) if t else float("nan"),
+            threshold=0.0,
+        )
+        proposed, executed = rng.random((2, 2), np.float32)
+        return Step(
+            observation=observation(t),
+            state=rng.random(9),
+            proposed=proposed,
+            labelled=executed if expert else None,
+            decision=decision,
+            executed=executed if expert else proposed,
+            reward=float(rng.random()),
+        )
+
+    return Episode(
+        info=info,
+        steps=tuple(step(t) for t in range(length)),
+        final_observation=observation(length),
+        final_state=rng.random(9),
+        terminated=False,
+        truncated=True,
+        outcome=Outcome.TIME_LIMIT,
+        metrics={"distance_m": float(rng.random())},
+    )
+
+
+def identical(a: Episode, b: Episode) -> bool:
+    """Whether two episodes are the same to the bit, NaN and the sign of zero included."""
+    return _as_bits(a) == _as_bits(b)
+
+
+def kill_recorder(path: Path, kills: int, seed: int = 0) -> KillReport:
+    """Kill a recorder into the store at `path` `kills` times, then look at what it left."""
+    rng = np.random.default_rng(seed)
+    store = EpisodeStore.create(path)
+    committed: set[str] = set()
+    for run in range(kills):
+        committed |= _record_until_killed(path, run, float(rng.uniform(0.0, LONGEST_WAIT_S)))
+        committed |= set(store.names())
+    names = store.names()
+    faults = check(store)
+    damaged = {fault.name for fault in faults if fault.damaging}
+    for name in set(names) - damaged:
+        episode = store.read(name)
+        recorded = synthetic_episode(synthetic_info(episode.info.run_seed, episode.info.index))
+        if episode_name(recorded.info) != name or not identical(episode, recorded):
+            damaged.add(name)
+    return KillReport(
+        kills=kills,
+        committed=len(names),
+        damaged=tuple(sorted(damaged)),
+        disappeared=tuple(sorted(committed - set(names))),
+        leftovers=sum(fault.kind is FaultKind.LEFTOVER for fault in faults),
+    )
+
+
+def record_for_ever(path: Path, run: int) -> None:
+    """Record until killed, naming each episode on stdout once `append` has returned."""
+    store = EpisodeStore(path)
+    print(READY, flush=True)
+    for index in count():
+        print(store.append(synthetic_episode(synthetic_info(run, index))), flush=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run from the command line; the exit code is 1 where an episode was harmed."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--kills", type=int, default=30)
+    parser.add_argument("--seed", type=int, default=0, help="of the moments of the kills")
+    options = parser.parse_args(arguments)
+    with tempfile.TemporaryDirectory() as folder:
+        report = kill_recorder(Path(folder, "store"), options.kills, options.seed)
+    print(report)
+    for name in (*report.damaged, *report.disappeared):
+        print(name)
+    return 0 if report.lossless else 1
+
+
+def _record_until_killed(path: Path, run: int, wait_s: float) -> set[str]:
+    """The episodes that a child had reported as committed when it was killed."""
+    code = "import sys, pathlib, tools.kill_recorder as k; "
+    code += "k.record_for_ever(pathlib.Path(sys.argv[1]), int(sys.argv[2]))"
+    child = subprocess.Popen(
+        [sys.executable, "-c", code, str(path), str(run)],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=Path(__file__).parents[1],
+    )
+    with child:
+        try:
+            assert child.stdout is not None
+            if child.stdout.readline().strip() != READY:
+                raise RuntimeError("the recording child did not start; its error is printed above")
+            time.sleep(wait_s)
+        finally:
+            child.kill()
+        # A line that was cut off by the kill names nothing.
+        return {line.strip() for line in child.stdout if line.endswith("\n")}
+
+
+def _as_bits(episode: Episode) -> list[object]:
+    """All of an episode as values whose equality is equality of bits."""
+
+    def bits(array: np.ndarray | float | None) -> object:
+        value = np.asarray(array)
+        return None if array is None else (str(value.dtype), value.shape, value.tobytes())
+
+    def seen(observation: Observation) -> list[object]:
+        images = {camera: bits(image) for camera, image in observation.images.items()}
+        return [images, bits(observation.features), bits(observation.time_s)]
+
+    def done(step: Step) -> list[object]:
+        decision = step.decision
+        actions = [bits(action) for action in (step.proposed, step.labelled, step.executed)]
+        numbers = [bits(value) for value in (decision.score, decision.threshold, step.reward)]
+        gate = [decision.actor, decision.query, decision.reason]
+        return [*seen(step.observation), bits(step.state), *actions, *numbers, *gate]
+
+    return [
+        episode.info,
+        [done(step) for step in episode.steps],
+        seen(episode.final_observation),
+        bits(episode.final_state),
+        (episode.terminated, episode.truncated, episode.outcome),
+        {name: bits(value) for name, value in episode.metrics.items()},
+    ]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
