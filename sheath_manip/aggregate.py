@@ -103,6 +103,9 @@ class LearningRun:
     def run(self, method_name: str) -> list[RoundResult]:
         """All rounds of one method; round 0 is the shared start."""
         method = method_named(method_name)
+        done = self._finished(method.name)
+        if done is not None:
+            return done
         common = self.prepare()
         start = read_result(self._path(EXPERT, 0, "json"))
         results = [start]
@@ -121,9 +124,22 @@ class LearningRun:
                 write_result(path, measured)
             results.append(read_result(path))
             checkpoint = refitted
-            if results[-1].surrogate_loss < self.plan.stop_below_loss:
+            if self._good_enough(number, results[-1].surrogate_loss):
                 break
         return results
+
+    def _good_enough(self, number: int, surrogate_loss: float) -> bool:
+        # In round 0 the expert drove; its states say nothing about the policy.
+        return number > 0 and surrogate_loss < self.plan.stop_below_loss
+
+    def _finished(self, method: str) -> list[RoundResult] | None:
+        """The rounds of a method that needs no more of them."""
+        if not self._path(EXPERT, 0, "json").exists():
+            return None
+        results = round_results(self.directory.parent, self.run_seed, method)
+        enough = len(results) > self.plan.rounds
+        stopped = self._good_enough(len(results) - 1, results[-1].surrogate_loss)
+        return results if enough or stopped else None
 
     def _expert_episodes(self, purpose: Purpose, count: int) -> list[Episode]:
         infos = [self._info(purpose, EXPERT, 0, index) for index in range(count)]
@@ -226,8 +242,9 @@ class LearningRun:
         alone = evaluate_policy(
             self.environment, checkpoint, self._held_out(self.plan.held_out), self.report
         )
+        surrogate_loss = float(np.mean(losses))
         final: Sequence[EpisodeRecord] = ()
-        if checkpoint.round == self.plan.rounds:
+        if checkpoint.round == self.plan.rounds or self._good_enough(checkpoint.round, surrogate_loss):
             environment = self.task.make("final")
             final = evaluate_policy(
                 environment, checkpoint, self._held_out(self.plan.final), self.report
@@ -243,7 +260,7 @@ class LearningRun:
             final=tuple(final),
             false_alarm_rate=float(np.mean(alarms)),
             missed_rate=float(acted[losses > 0].mean()) if (losses > 0).any() else 0.0,
-            surrogate_loss=float(np.mean(losses)),
+            surrogate_loss=surrogate_loss,
             bound=bound,
             threshold=checkpoint.threshold,
             states=len(aggregated),
@@ -272,7 +289,20 @@ class LearningRun:
         return digest(self._path(checkpoint.method, checkpoint.round, "npz"))
 
     def _path(self, method: str, number: int, suffix: str) -> Path:
-        return self.directory / method / f"round-{number:02d}.{suffix}"
+        return round_path(self.directory.parent, self.run_seed, method, number, suffix)
+
+
+def round_path(runs: Path, run_seed: int, method: str, number: int, suffix: str) -> Path:
+    """Where a round's checkpoint (`npz`) or its figures (`json`) lie under `runs`."""
+    return runs / f"s{run_seed}" / method / f"round-{number:02d}.{suffix}"
+
+
+def round_results(runs: Path, run_seed: int, method: str) -> list[RoundResult]:
+    """All rounds that a method has finished, the shared round 0 first."""
+    results = [read_result(round_path(runs, run_seed, EXPERT, 0, "json"))]
+    while (path := round_path(runs, run_seed, method, len(results), "json")).exists():
+        results.append(read_result(path))
+    return results
 
 
 def fit_gate(

@@ -107,7 +107,7 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
     if header["task"] != spec.name:
         raise CheckpointError(
             f"{path} was trained on task {header['task']!r}, not on {spec.name!r}; "
-            f"use it with --task {header['task']}"
+            f"use it with task {header['task']}"
         )
     try:
         hyper = dict(header["policy"]["hyper"])

@@ -11,13 +11,13 @@ class LearningPlan:
     """The settings of rounds of learning; the same plan and seed give the same result."""
 
     policy: str = "cnn"
-    embedding: str = "pooled-convolutions"
+    embedding: str = "foveal-convolutions"
     support: str = "one-class-svm"
     nu: float = 0.05
     """bound on the share of training states outside the support"""
     bandwidth_factor: float = 1.0
     """c of the RBF, in units of the median squared distance"""
-    false_alarm_rate: float = 0.05
+    false_alarm_rate: float = 0.15
     """of new expert steps, which the threshold is calibrated for"""
     methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
     seeds: tuple[int, ...] = (0, 1, 2)

@@ -49,14 +49,15 @@ def rollout(
         state = environment.state()
         proposed = _proposal(policy, observation, environment.spec.action)
         decision = gate.decide(observation, proposed)
-        if policy is not None and proposed is None and decision.actor is Actor.POLICY:
+        if proposed is None and decision.actor is Actor.POLICY:
             decision = GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
+        if policy is None and decision.reason is Reason.INVALID_PROPOSAL:
+            raise ParameterError("the gate wants a policy, but the rollout was given none")
         labelled = None
         if decision.query or decision.actor is Actor.EXPERT:
             labelled = _label(expert, observation, environment.spec.action)
         executed = labelled if decision.actor is Actor.EXPERT else proposed
-        if executed is None:
-            raise ParameterError("the gate lets the policy act, but the rollout was given no policy")
+        assert executed is not None
         transition = environment.step(executed)
         step = Step(observation, state, proposed, labelled, decision, executed, transition.reward)
         steps.append(step)

@@ -1,1 +1,7 @@
-"""One dm_control task a folder, each runnable as a script."""
+"""One dm_control task a folder, each runnable as a script; `tasks.table` lists them."""
+
+import os
+
+# Before numpy and torch start their threads: on two cores, two threads in each of two processes
+# cost many times what they give. Whoever knows better sets the variable.
+os.environ.setdefault("OMP_NUM_THREADS", "1")

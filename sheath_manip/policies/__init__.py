@@ -6,7 +6,12 @@ from typing import Any
 
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.policies.embeddings import Penultimate, Pixels, PooledConvolutions
+from sheath_manip.policies.embeddings import (
+    FovealConvolutions,
+    Penultimate,
+    Pixels,
+    PooledConvolutions,
+)
 from sheath_manip.policies.hog_svm import HogSvm
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.protocols import Embedding, Policy
@@ -20,13 +25,14 @@ POLICIES: dict[str, Callable[..., Policy]] = {
 """Called with the task's spec, `seed` and further hyperparameters by name."""
 
 EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
+    "foveal-convolutions": lambda: FovealConvolutions(Whitening()),
     "pooled-convolutions": PooledConvolutions,
     "pooled-convolutions-whitened": lambda: PooledConvolutions(Whitening()),
     "penultimate": Penultimate,
     "pixels": Pixels,
 }
 
-DEFAULT_EMBEDDING = "pooled-convolutions"
+DEFAULT_EMBEDDING = "foveal-convolutions"
 
 
 def make_policy(name: str, spec: TaskSpec, seed: int = 0, **hyperparameters: Any) -> Policy:

@@ -14,6 +14,7 @@ from torch import nn
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.augmentation import shifted
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
 from sheath_manip.policies.network import ConvNetwork
 from sheath_manip.protocols import Arrays
@@ -35,12 +36,13 @@ class ConvPolicy:
         spec: TaskSpec,
         channels: Sequence[int] = (16, 32, 32),
         hidden: Sequence[int] = (128, 64),
-        epochs: int = 30,
-        warm_steps: int = 400,
+        epochs: int = 40,
+        warm_steps: int = 300,
         learning_rate: float = 1e-3,
         batch_size: int = 128,
         weight_decay: float = 1e-4,
         class_balance: float = 0.5,
+        shift_px: int = 2,
         seed: int = 0,
     ) -> None:
         """Store the hyperparameters.
@@ -57,6 +59,8 @@ class ConvPolicy:
             weight_decay: decoupled (AdamW).
             class_balance: a class weighs as its frequency to the minus this; at 0 each sample
                 counts alike, at 1 each class.
+            shift_px: most pixels by which an image is moved at random in training. On driving two of
+                them (0.4 m) leave two thirds of the costly mistakes that none leave.
             seed: of the initial weights and of the order of the batches.
         """
         self.spec = spec
@@ -68,6 +72,7 @@ class ConvPolicy:
         self.batch_size = batch_size
         self.weight_decay = weight_decay
         self.class_balance = class_balance
+        self.shift_px = shift_px
         self.seed = seed
         self.choices = choices_of(spec)
         if not spec.cameras:
@@ -124,7 +129,8 @@ class ConvPolicy:
                 group["lr"] = self.learning_rate * (1 - step / steps)
             # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
             with torch.autocast("cpu", torch.bfloat16):
-                logits = network(torch.from_numpy(images[batch]), torch.bfloat16)
+                shown = shifted(images[batch], self.shift_px, rng)
+                logits = network(torch.from_numpy(shown), torch.bfloat16)
             loss = loss_of(logits.float(), torch.from_numpy(classes[batch]))
             optimiser.zero_grad()
             loss.backward()

@@ -116,6 +116,25 @@ class PooledConvolutions(_ConvolutionalEmbedding):
 
 
 @final
+class FovealConvolutions(_ConvolutionalEmbedding):
+    """The last convolution layer around the middle of the image, at its own resolution.
+
+    For cameras that move with the robot: what decides the next action is near, and there a metre
+    counts, while the far field is new in every scene and drowns it. In the driving task, whose last
+    layer is 6x6, these are the 2x2 cells that see 7 m around the car: 128 numbers.
+    """
+
+    share = 0.5
+
+    def vectors(self, images: Images) -> NDArray[np.float32]:
+        """(n, channels[-1] * cells)."""
+        layer = self.policy.activations(images)[-1]
+        top, left = (round(side * (1 - self.share) / 2) for side in layer.shape[2:])
+        middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
+        return middle.flatten(1).numpy()
+
+
+@final
 class Pixels(ScaledEmbedding):
     """Every camera's image shrunk to 16x16 by area; needs nothing of the policy."""
 

@@ -104,7 +104,7 @@ class DrivingTask(SheathTask):
             other.mocap = "true"
             self._traffic.append(other)
         self._add_cameras()
-        self.set_timesteps(control_timestep=CONTROL_TIMESTEP_S, physics_timestep=0.01)
+        self.set_timesteps(control_timestep=CONTROL_TIMESTEP_S, physics_timestep=0.025)
         self._traffic_start = np.zeros((self.scenario.cars, 2))
         self._last_s_m = 0.0
         self._driven_m = 0.0

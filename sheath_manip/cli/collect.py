@@ -1,0 +1,79 @@
+"""`sheath collect`: demonstrations by the task's scripted expert."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.text import Text
+
+from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.seeding import scene_seed
+from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collect:
+    """Record episodes of the scripted expert, but for those that the store holds already."""
+
+    task: TaskName
+    """name of the task, as `sheath tasks` lists it"""
+    store: Path
+    """directory for the episodes; made where there is none"""
+    episodes: int = 20
+    """how many the store shall hold"""
+    seed: int = 0
+    """from which the scenes follow"""
+    variant: str = "default"
+    """of the task"""
+    dashboard: bool = False
+    """show the run in the browser"""
+    address: Address = field(default_factory=Address)
+
+    def run(self, session: Session) -> int:
+        """Record them, then print the outcomes."""
+        at_least_one("episodes", self.episodes)
+        task = session.task(self.task)
+        # Only now: other verbs need no store.
+        from sheath_manip.cli.episodes import opened, print_figures, run_all
+        from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.gates.constant import AlwaysExpert
+
+        with (
+            opened(task, self.variant) as environment,
+            self.address.listeners(self.dashboard, environment.spec, session) as listeners,
+            session.progress("demonstrations", self.episodes) as report,
+        ):
+            store = EpisodeStore.create(self.store)
+            infos = [self._info(environment.spec, index) for index in range(self.episodes)]
+            held = sum(store.has(info) for info in infos)
+            records = list(
+                run_all(
+                    environment,
+                    infos,
+                    AlwaysExpert(),
+                    expert=task.expert(environment),
+                    store=store,
+                    listeners=listeners,
+                    report=report,
+                )
+            )
+        print_figures(records, session)
+        outcomes = Counter(record.outcome for record in records)
+        counts = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+        steps = sum(record.steps for record in records)
+        line = f"{counts}; {steps} steps in {self.store}, {held} episodes of them from before"
+        session.out.print(Text(line))
+        return 0
+
+    def _info(self, spec: TaskSpec, index: int) -> EpisodeInfo:
+        return EpisodeInfo(
+            task=spec.name,
+            seed=scene_seed(Purpose.DEMONSTRATION, self.seed, 0, index),
+            purpose=Purpose.DEMONSTRATION,
+            control_rate_hz=spec.control_rate_hz,
+            # Another variant is another scene, though its seed be the same.
+            method="expert" if self.variant == "default" else f"expert-{self.variant}",
+            index=index,
+            run_seed=self.seed,
+        )

@@ -1,0 +1,87 @@
+"""Runs a verb: parses the line, and turns every foreseen error into one line and an exit code."""
+
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import make_dataclass
+from typing import Annotated, Any, Union
+
+import tyro
+
+from sheath_manip.cli.collect import Collect
+from sheath_manip.cli.data import Data
+from sheath_manip.cli.evaluate import Evaluate
+from sheath_manip.cli.experiment import Experiment
+from sheath_manip.cli.machine import Doctor, Tables
+from sheath_manip.cli.replay import Replay
+from sheath_manip.cli.run import Run
+from sheath_manip.cli.session import Session, Tasks, Verb
+from sheath_manip.cli.train import Train
+from sheath_manip.cli.watch import Watch
+from sheath_manip.exceptions import SheathError
+
+OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
+
+OF_A_TASK: dict[str, type[Verb]] = {
+    "collect": Collect,
+    "train": Train,
+    "run": Run,
+    "evaluate": Evaluate,
+    "experiment": Experiment,
+    "dashboard": Watch,
+}
+OF_A_STORE: dict[str, type[Verb]] = {
+    "replay": Replay,
+    "data": Data,
+}
+OF_THE_MACHINE: dict[str, type[Verb]] = {
+    "tasks": Tables,
+    "doctor": Doctor,
+}
+
+
+def run_command(tasks: Tasks, argv: Sequence[str]) -> int:
+    """Run `sheath` with `argv`; return its exit code."""
+    verbs = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE
+    about = "Robots that learn from an expert without first having to fail."
+    return _run(verbs, tasks, argv, "sheath", about)
+
+
+def run_task_command(tasks: Tasks, task: str, argv: Sequence[str]) -> int:
+    """Run the verbs for one task, which the line does not name; return the exit code."""
+    bound = {name: _bound(verb, task) for name, verb in OF_A_TASK.items()}
+    about = f"The task {task!r}, as `sheath` runs it."
+    return _run(bound | OF_A_STORE, tasks, argv, f"python -m tasks.{task}", about)
+
+
+def _run(
+    verbs: Mapping[str, type[Verb]], tasks: Tasks, argv: Sequence[str], prog: str, about: str
+) -> int:
+    choices = [
+        Annotated[verb, tyro.conf.subcommand(name, prefix_name=False)]
+        for name, verb in verbs.items()
+    ]
+    config = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes)
+    line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
+    verb: Verb = tyro.cli(line, args=list(argv), prog=prog, description=about, config=config)
+    try:
+        return verb.run(Session(tasks, f"{prog} {shlex.join(argv)}".strip()))
+    except (SheathError, OSError) as error:
+        print(f"sheath: {' '.join(str(error).split())}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _bound(verb: type[Verb], task: str) -> type[Verb]:
+    """`verb` for `task` alone: the same options without the task's name."""
+    hidden = tyro.conf.Suppress[tyro.conf.Fixed[str]]
+    return make_dataclass(
+        verb.__name__,
+        [("task", hidden, task)],
+        bases=(verb,),
+        namespace={"__doc__": verb.__doc__},
+        frozen=True,
+        kw_only=True,
+    )

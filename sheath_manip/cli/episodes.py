@@ -1,0 +1,91 @@
+"""Episodes for a verb: run, or read where the store has them; and tables of what they showed."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+from rich.table import Table
+from rich.text import Text
+
+from sheath_manip.cli.session import Session
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, record_of
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.rollout import rollout
+from sheath_manip.seeding import generator
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import EpisodeInfo
+
+
+@contextmanager
+def opened(task: TaskEntry, variant: str) -> Iterator[Environment]:
+    """An environment of the task, closed at the end."""
+    environment = task.make(variant)
+    try:
+        yield environment
+    finally:
+        environment.close()
+
+
+def run_all(
+    environment: Environment,
+    infos: Iterable[EpisodeInfo],
+    gate: Gate,
+    *,
+    policy: Policy | None = None,
+    expert: Expert | None = None,
+    store: EpisodeStore | None = None,
+    listeners: Sequence[Listener] = (),
+    report: Callable[[str], None] = lambda _: None,
+) -> Iterator[EpisodeRecord]:
+    """Run each episode, or read it where `store` has it; `report` is told each outcome."""
+    recorders = (Recorder(store),) if store else ()
+    for info in infos:
+        if store and store.has(info):
+            episode = store.read(episode_name(info), need_images=False)
+        else:
+            episode = rollout(
+                environment,
+                info,
+                gate,
+                rng=generator("gate", info.method, info.run_seed, info.round, info.index),
+                policy=policy,
+                expert=expert,
+                listeners=(*recorders, *listeners),
+            )
+        report(str(episode.outcome))
+        yield record_of(episode)
+
+
+def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Session) -> None:
+    """One line an episode."""
+    table = Table(box=None, pad_edge=False)
+    table.add_column("scene seed", justify="right")
+    table.add_column("outcome")
+    for heading in (metric, "steps", "expert", "interventions"):
+        table.add_column(heading, justify="right")
+    for record in records:
+        table.add_row(
+            str(record.seed),
+            Text(record.outcome),
+            f"{record.metrics.get(metric, float('nan')):.3g}",
+            str(record.steps),
+            f"{record.expert_steps / max(record.steps, 1):.0%}",
+            str(record.interventions),
+        )
+    session.out.print(table)
+
+
+def print_figures(records: Sequence[EpisodeRecord], session: Session) -> None:
+    """Rates and means with their 95 % intervals."""
+    figures = figures_of(records)
+    table = Table(box=None, pad_edge=False)
+    for heading in (f"{figures.episodes} episodes", "mean", "95 % interval"):
+        table.add_column(heading, justify="left" if heading[0].isdigit() else "right")
+    rates = {"failure_rate": figures.failure_rate, "success_rate": figures.success_rate}
+    for name, mean in {**rates, **figures.metric}.items():
+        low, high = figures.ci95[name]
+        table.add_row(name, f"{mean:.3g}", f"{low:.3g} .. {high:.3g}")
+    table.add_row("expert_share", f"{expert_share(records):.3g}", "")
+    session.out.print(table)

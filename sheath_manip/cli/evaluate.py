@@ -1,0 +1,59 @@
+"""`sheath evaluate`: a policy alone, on scenes that nothing was trained or tuned on."""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from sheath_manip.cli.options import TaskName
+from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.plan import LearningPlan
+from sheath_manip.seeding import scene_seed
+from sheath_manip.types import Purpose
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluate:
+    """Judge a policy alone, without gate and expert, on held-out scenes."""
+
+    task: TaskName
+    """name of the task, as `sheath tasks` lists it"""
+    checkpoint: Path
+    """file of the policy, as `sheath train` and `sheath experiment` write it"""
+    episodes: int = 20
+    """how many scenes"""
+    variant: str = "default"
+    """of the task"""
+    scenes: str = LearningPlan().held_out_set
+    """name of the set of scenes; tune on another than you report"""
+    json: bool = False
+    """print nothing but JSON on the standard output"""
+
+    def run(self, session: Session) -> int:
+        """Run the scenes, then print rates and means with their 95 % intervals."""
+        at_least_one("episodes", self.episodes)
+        task = session.task(self.task)
+        # Only now: torch takes seconds to import.
+        from sheath_manip.aggregate import evaluate_policy
+        from sheath_manip.checkpoint import digest, load_checkpoint
+        from sheath_manip.cli.episodes import opened, print_figures
+        from sheath_manip.metrics import figures_of
+
+        with opened(task, self.variant) as environment:
+            checkpoint = load_checkpoint(self.checkpoint, environment.spec)
+            seeds = [
+                scene_seed(Purpose.EVALUATION, self.scenes, index) for index in range(self.episodes)
+            ]
+            with session.progress("held-out scenes", self.episodes) as report:
+                records = evaluate_policy(environment, checkpoint, seeds, report)
+        if not self.json:
+            print_figures(records, session)
+            return 0
+        origin = {
+            "task": task.name,
+            "variant": self.variant,
+            "scenes": self.scenes,
+            "checkpoint": str(self.checkpoint),
+            "digest": digest(self.checkpoint),
+        }
+        print(json.dumps(origin | asdict(figures_of(records)), indent=1))
+        return 0

@@ -1,0 +1,118 @@
+"""`sheath experiment`: rounds of learning by several methods, from demonstrations to figures."""
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.text import Text
+
+from sheath_manip.cli.options import Address, TaskName, planned
+from sheath_manip.cli.session import Session
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.plan import LearningPlan
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import TaskSpec
+
+WORKERS = 2
+"""by default: each holds its training seed's images in RAM"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment:
+    """Compare the methods on a task: demonstrations, rounds, held-out scenes, table and figures.
+
+    Stopped anywhere and called again, it goes on where it was.
+    """
+
+    task: TaskName
+    """name of the experiment, which is its task's, as `sheath tasks` lists it"""
+    quick: bool = False
+    """the small version, in minutes; it keeps apart from the full one"""
+    out: Path | None = None
+    """directory for summary.json and figures; results/TASK, or runs/TASK-quick/results if quick"""
+    runs: Path | None = None
+    """directory for episodes and checkpoints; runs/TASK, or runs/TASK-quick if quick"""
+    fresh: bool = False
+    """begin anew; what an earlier run left is moved aside"""
+    workers: int | None = None
+    """processes; at most 2 by default, and none but this one with --dashboard"""
+    seeds: tuple[int, ...] | None = None
+    """of the training runs; the plan's by default"""
+    rounds: int | None = None
+    """after the demonstrations; the plan's by default"""
+    methods: tuple[str, ...] | None = None
+    """to compare, as `sheath tasks` lists them; the plan's by default"""
+    dashboard: bool = False
+    """show the run in the browser"""
+    hold: bool = False
+    """with --dashboard: keep the page open after the end, until Ctrl-C"""
+    address: Address = field(default_factory=Address)
+
+    def run(self, session: Session) -> int:
+        """Run it to its end."""
+        task = session.task(self.task)
+        plan = self._plan(task)
+        workers = self._workers()
+        name = f"{task.name}-quick" if self.quick else task.name
+        runs = self.runs or Path("runs") / name
+        results = self.out or (runs / "results" if self.quick else Path("results") / name)
+        # Only now: torch takes seconds to import.
+        from sheath_manip.experiments.learning import run_experiment
+        from sheath_manip.methods import method_named
+
+        for method in plan.methods:
+            method_named(method)
+        with self.address.listeners(self.dashboard, _spec(task), session) as listeners:
+            if self.fresh:
+                _move_aside(runs, session)
+            run_experiment(
+                task,
+                plan,
+                runs=runs,
+                results=results,
+                command=session.command,
+                workers=workers,
+                listeners=listeners,
+                console=session.out,
+            )
+            if self.hold:
+                for dashboard in listeners:
+                    session.out.print("the page stays open until Ctrl-C")
+                    dashboard.hold_open()
+        return 0
+
+    def _plan(self, task: TaskEntry) -> LearningPlan:
+        for name in ("seeds", "methods"):
+            if getattr(self, name) == ():
+                raise ParameterError(f"{name} is empty; wanted at least one")
+        size = "quick" if self.quick else "full"
+        return planned(task, size, seeds=self.seeds, rounds=self.rounds, methods=self.methods)
+
+    def _workers(self) -> int:
+        if self.workers is not None and self.workers < 0:
+            raise ParameterError(f"workers is {self.workers}; wanted at least 0")
+        if self.dashboard:
+            if self.workers:
+                raise ParameterError(
+                    f"workers is {self.workers}; the page shows what runs in this process, "
+                    "so wanted 0 (or nothing) with --dashboard"
+                )
+            return 0
+        return min(WORKERS, os.cpu_count() or 1) if self.workers is None else self.workers
+
+
+def _spec(task: TaskEntry) -> TaskSpec:
+    environment = task.make()
+    environment.close()
+    return environment.spec
+
+
+def _move_aside(runs: Path, session: Session) -> None:
+    """Rename `runs`, so that nothing recorded is lost."""
+    if not runs.exists():
+        return
+    number = 1
+    while (aside := runs.with_name(f"{runs.name}-before-{number}")).exists():
+        number += 1
+    runs.rename(aside)
+    session.out.print(Text(f"the earlier run is kept in {aside}"))

@@ -1,0 +1,64 @@
+"""Options that several verbs share."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+from rich.panel import Panel
+from rich.text import Text
+
+from sheath_manip.cli.session import Session
+from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.plan import LearningPlan
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import TaskSpec
+
+if TYPE_CHECKING:
+    from sheath_manip.dashboard import Dashboard
+
+TaskName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where the dashboard listens."""
+
+    host: str = "127.0.0.1"
+    """address to listen on; other machines reach the page only where it is not the loopback's"""
+    port: int = 8080
+    """0 takes any free one"""
+
+    @contextmanager
+    def dashboard(self, spec: TaskSpec, session: Session) -> Iterator["Dashboard"]:
+        """The page, its address printed; taken down at the end. Raises SetupError (port taken)."""
+        # Only now: it takes seconds, and most calls want no page.
+        from sheath_manip.dashboard import Dashboard
+
+        with Dashboard(spec, host=self.host, port=self.port) as dashboard:
+            address = Text(dashboard.address, no_wrap=True, style="bold cyan")
+            session.out.print(Panel.fit(address, title="open in a browser", padding=(1, 2)))
+            yield dashboard
+
+    @contextmanager
+    def listeners(
+        self, wanted: bool, spec: TaskSpec, session: Session
+    ) -> Iterator[Sequence["Dashboard"]]:
+        """The page as the only listener where it is `wanted`, else none."""
+        if not wanted:
+            yield ()
+            return
+        with self.dashboard(spec, session) as dashboard:
+            yield (dashboard,)
+
+
+def planned(task: TaskEntry, size: str, **asked: Any) -> LearningPlan:
+    """The task's plan of that size with what was `asked` for; an option that is None was not.
+
+    Raises UnknownNameError for the size, and ParameterError for a value outside its range.
+    """
+    if size not in task.plans:
+        raise UnknownNameError(f"plan of {task.name}", size, task.plans)
+    given = {name: value for name, value in asked.items() if value is not None}
+    return replace(task.plans[size], **given)

@@ -1,0 +1,74 @@
+"""What every verb is given: the tasks, the terminal, and how it was called."""
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.task import TaskEntry
+
+Tasks = Callable[[], Mapping[str, TaskEntry]]
+"""gives the table of tasks; called only by verbs that need it, since a task brings its simulator"""
+
+PIPED_COLUMNS = 160
+
+
+@dataclass(frozen=True)
+class Session:
+    """One call of the command."""
+
+    tasks: Tasks
+    command: str
+    """as it was typed"""
+    out: Console = field(default_factory=lambda: Console(width=_width()))
+    """for results"""
+    err: Console = field(default_factory=lambda: Console(stderr=True))
+    """for progress, so that results can be piped"""
+
+    def task(self, name: str) -> TaskEntry:
+        """The task; raises UnknownNameError."""
+        tasks = self.tasks()
+        if name not in tasks:
+            raise UnknownNameError("task", name, tasks)
+        return tasks[name]
+
+    @contextmanager
+    def progress(self, what: str, total: int) -> Iterator[Callable[[str], None]]:
+        """A bar of `total` units; call what it yields, with a word on the unit, after each."""
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
+        )
+        with Progress(
+            *columns, console=self.err, transient=True, disable=not self.err.is_terminal
+        ) as bar:
+            line = bar.add_task(what, total=total)
+            yield lambda word: bar.update(line, advance=1, description=f"{what}: {word}")
+
+
+def _width() -> int | None:
+    """Columns for results: the terminal's, and enough for whole lines where they are piped."""
+    return None if sys.stdout.isatty() or "COLUMNS" in os.environ else PIPED_COLUMNS
+
+
+class Verb(Protocol):
+    """One verb of the command: its fields are its options, `run` does it."""
+
+    def run(self, session: Session) -> int:
+        """Do it; return the exit code."""
+        ...
+
+
+def at_least_one(name: str, value: int) -> int:
+    """`value`; raises ParameterError where it is below 1."""
+    if value < 1:
+        raise ParameterError(f"{name} is {value}; wanted at least 1")
+    return value

@@ -1,0 +1,135 @@
+"""`sheath train`: a policy and its gate from the episodes of a store."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from sheath_manip.cli.options import TaskName, planned
+from sheath_manip.cli.session import Session
+from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types import Purpose
+
+if TYPE_CHECKING:
+    from sheath_manip.dataset.store import EpisodeStore
+
+BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
+PLANNED = (
+    "policy",
+    "embedding",
+    "support",
+    "nu",
+    "bandwidth_factor",
+    "false_alarm_rate",
+    "calibration",
+)
+"""options of the same name and meaning as in `LearningPlan`"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Train:
+    """Fit a policy, the support of its training states, and the threshold of its gate.
+
+    All labelled states of the store are trained on, but for some expert episodes, which are held
+    out for the threshold.
+    """
+
+    task: TaskName
+    """name of the task, as `sheath tasks` lists it"""
+    store: Path
+    """directory of the episodes, as `sheath collect` records them"""
+    checkpoint: Path
+    """file to write, such as runs/first.npz"""
+    policy: str | None = None
+    """name, as `sheath tasks` lists it; the task's own by default, as with all that follow"""
+    embedding: str | None = None
+    """name; what of the policy the support is estimated on"""
+    support: str | None = None
+    """name of the support estimator"""
+    nu: float | None = None
+    """0 .. 1, bound on the share of training states outside the support"""
+    bandwidth_factor: float | None = None
+    """c of the RBF exp(-|x-y|²/c), in units of the median squared distance"""
+    false_alarm_rate: float | None = None
+    """0 .. 1, share of new expert steps at which the gate may call the expert needlessly"""
+    calibration: int | None = None
+    """expert episodes held out for the threshold, at least 3"""
+    seed: int = 0
+    """of the policy's first weights and the order of its batches"""
+
+    def run(self, session: Session) -> int:
+        """Fit, save, and print what came of it."""
+        task = session.task(self.task)
+        plan = planned(task, "full", **{name: getattr(self, name) for name in PLANNED})
+        # Only now: torch takes seconds to import.
+        from sheath_manip.aggregate import fit_gate
+        from sheath_manip.checkpoint import digest
+        from sheath_manip.cli.episodes import opened
+        from sheath_manip.dataset.samples import samples_from
+        from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.policies import make_embedding, make_policy
+        from sheath_manip.support import make_support
+
+        with opened(task, "default") as environment:
+            spec = environment.spec
+        # Before the fit, which takes its time, so that a wrong name is told at once.
+        policy = make_policy(plan.policy, spec, seed=self.seed)
+        make_embedding(plan.embedding)
+        make_support(plan.support, nu=plan.nu, bandwidth_factor=plan.bandwidth_factor)
+        if self.checkpoint.is_dir():
+            raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
+
+        store = EpisodeStore(self.store)
+        training, held_out = self._split(store, spec.name, plan.calibration)
+        with session.err.status("reading"):
+            states = samples_from(store.read_many(training))
+            calibration = [samples_from([store.read(name)]) for name in held_out]
+        with session.err.status(f"fitting {plan.policy} to {len(states)} states"):
+            policy.fit(states)
+        with session.err.status(f"fitting {plan.support} on {plan.embedding}"):
+            fitted = fit_gate(policy, states, calibration, plan, spec.name, run_seed=self.seed)
+        fitted.save(self.checkpoint)
+
+        alarms = [float(np.mean(~(fitted.scores(s) >= fitted.threshold))) for s in calibration]
+        table = Table(title=Text(str(self.checkpoint)), title_justify="left", show_header=False)
+        table.box = None
+        rows = {
+            "trained on": f"{len(states)} states of {len(training)} episodes",
+            "training loss": f"{float(policy.surrogate_losses(states).mean()):.4f}",
+            "states inside the support": f"{float((fitted.scores(states) >= 0).mean()):.1%}",
+            "threshold": f"{fitted.threshold:.4g}",
+            "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
+            f"episodes it was set on; {plan.false_alarm_rate:.1%} asked for",
+            "digest": digest(self.checkpoint),
+        }
+        for name, value in rows.items():
+            table.add_row(name, Text(value))
+        session.out.print(table)
+        return 0
+
+    def _split(self, store: "EpisodeStore", task: str, count: int) -> tuple[list[str], list[str]]:
+        """The names of the episodes to train on, and of the expert's last `count`, held out."""
+        summaries = store.infos()
+        for summary in summaries:
+            if summary.info.task != task:
+                raise StoreError(
+                    f"{self.store} holds {summary.name} of task {summary.info.task!r}; wanted "
+                    f"episodes of {task!r}: record them with `sheath collect {task}`"
+                )
+        expert = sorted(
+            (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name)
+            for s in summaries
+            if s.info.purpose in BY_THE_EXPERT
+        )
+        if len(expert) <= count:
+            raise ParameterError(
+                f"{self.store} holds {len(expert)} expert episodes; wanted more than the "
+                f"{count} that are held out: record more with `sheath collect {task}`, "
+                "or give a smaller --calibration"
+            )
+        held_out = [name for *_, name in expert[-count:]]
+        training = [s.name for s in summaries if s.queries or s.info.purpose in BY_THE_EXPERT]
+        return [name for name in training if name not in set(held_out)], held_out

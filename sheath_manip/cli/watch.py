@@ -1,0 +1,80 @@
+"""`sheath dashboard`: episode after episode in the browser, at the pace of the task."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import count
+from pathlib import Path
+
+from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.seeding import scene_seed
+from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watch:
+    """Watch a policy under its gate, or the scripted expert, in the browser until Ctrl-C.
+
+    Nothing is recorded.
+    """
+
+    task: TaskName
+    """name of the task, as `sheath tasks` lists it"""
+    checkpoint: Path | None = None
+    """file of the policy and its gate; the expert drives where none is given"""
+    episodes: int | None = None
+    """end after so many"""
+    seed: int = 0
+    """from which the scenes follow"""
+    variant: str = "default"
+    """of the task"""
+    speed: float = 1.0
+    """1 is the task's control rate, 2 twice as fast"""
+    address: Address = field(default_factory=Address)
+
+    def run(self, session: Session) -> int:
+        """Run episodes for ever."""
+        if self.episodes is not None:
+            at_least_one("episodes", self.episodes)
+        pacing = Pacing(self.speed)
+        task = session.task(self.task)
+        # Only now: torch takes seconds to import.
+        from sheath_manip.checkpoint import load_checkpoint
+        from sheath_manip.cli.episodes import opened, run_all
+        from sheath_manip.gates.constant import AlwaysExpert
+        from sheath_manip.gates.support import SupportGate
+
+        with opened(task, self.variant) as environment:
+            policy, gate = None, AlwaysExpert()
+            if self.checkpoint is not None:
+                checkpoint = load_checkpoint(self.checkpoint, environment.spec)
+                policy = checkpoint.policy
+                gate = SupportGate(checkpoint.score, checkpoint.threshold)
+            with (
+                self.address.dashboard(environment.spec, session) as page,
+                suppress(KeyboardInterrupt),
+            ):
+                for record in run_all(
+                    environment,
+                    self._infos(environment.spec),
+                    gate,
+                    policy=policy,
+                    expert=task.expert(environment),
+                    listeners=(page, pacing),
+                ):
+                    session.out.print(f"scene {record.seed}: {record.outcome}")
+        return 0
+
+    def _infos(self, spec: TaskSpec) -> Iterator[EpisodeInfo]:
+        for index in count() if self.episodes is None else range(self.episodes):
+            yield EpisodeInfo(
+                task=spec.name,
+                seed=scene_seed(Purpose.LEARNING, "dashboard", self.seed, index),
+                purpose=Purpose.LEARNING,
+                control_rate_hz=spec.control_rate_hz,
+                method="dashboard",
+                index=index,
+                run_seed=self.seed,
+            )

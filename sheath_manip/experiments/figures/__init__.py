@@ -1,0 +1,72 @@
+"""The figures of an experiment: one line in FIGURES each, whatever the task."""
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.experiments.figures.bound import bound
+from sheath_manip.experiments.figures.burden import burden
+from sheath_manip.experiments.figures.film import film
+from sheath_manip.experiments.figures.film_strip import film_strip
+from sheath_manip.experiments.figures.intervention import NothingToShowError
+from sheath_manip.experiments.figures.rounds import rounds
+
+FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, Path], None]] = {
+    "rounds.png": lambda summary, _, path: rounds(summary, path),
+    "burden.png": lambda summary, _, path: burden(summary, path),
+    "bound.png": lambda summary, _, path: bound(summary, path),
+    "film_strip.png": lambda _, store, path: film_strip(store, path),
+    "intervention.gif": lambda _, store, path: film(store, path),
+}
+"""by file name, from the summary and the episodes"""
+
+TaskFigures = Mapping[str, Callable[[Path], None]]
+"""A task's own figures, with their store, checkpoint and environment bound already."""
+
+
+def write_figures(
+    directory: Path,
+    summary: Mapping[str, Any],
+    store: EpisodeStore,
+    task_figures: TaskFigures | None = None,
+    names: Iterable[str] | None = None,
+) -> list[Path]:
+    """Write the figures `names`, or all, into `directory` and give their paths in that order.
+
+    A figure whose episodes are not in the store, such as an intervention where nobody intervened,
+    is left out. Raises UnknownNameError before anything is written.
+    """
+    table: dict[str, Callable[[Path], None]] = {
+        name: lambda path, draw=draw: draw(summary, store, path) for name, draw in FIGURES.items()
+    }
+    table |= task_figures or {}
+    wanted = list(table if names is None else names)
+    for name in wanted:
+        if name not in table:
+            raise UnknownNameError("figure", name, table)
+    written = []
+    for name in wanted:
+        path = directory / name
+        try:
+            table[name](path)
+        except NothingToShowError:
+            # A stale file of an earlier run would be taken for this one's.
+            path.unlink(missing_ok=True)
+        else:
+            written.append(path)
+    return written
+
+
+__all__ = [
+    "FIGURES",
+    "NothingToShowError",
+    "TaskFigures",
+    "bound",
+    "burden",
+    "film",
+    "film_strip",
+    "rounds",
+    "write_figures",
+]

@@ -1,0 +1,59 @@
+"""Theorem 4.2 by round: what bounds the mistakes of an episode, and how many there were."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from sheath_manip.experiments.figures.style import (
+    INK,
+    SKY,
+    drawing,
+    heading,
+    last_round,
+    round_axis,
+    shown,
+)
+
+FIT = "#c9ced6"
+
+
+def bound(summary: Mapping[str, Any], path: Path) -> None:
+    """One panel a method: T (epsilon_N + xi) as the sum of its two parts, and the measured J."""
+    methods = summary["methods"]
+    columns = min(len(methods), 4)
+    rows = -(-len(methods) // columns)
+    with drawing(path, height_px=250 + 470 * rows) as figure:
+        heading(
+            figure,
+            f"{summary['experiment'].capitalize()}: mistakes in an episode and their bound "
+            "T (ε + ξ)",
+            "a mistake is a step at which the policy's action is not the expert's; "
+            f"means over {len(summary['seeds'])} training seeds",
+        )
+        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+        for axes in grid[len(methods) :]:
+            axes.set_axis_off()
+        for axes, (name, method) in zip(grid, methods.items(), strict=False):
+            _parts(axes, method["rounds"])
+            axes.set_title(shown(name))
+            axes.set_ylim(bottom=0)
+            round_axis(axes, last_round(summary), label=False)
+            axes.set_xlabel("round")
+        grid[0].set_ylabel("control steps of an episode")
+        handles, labels = grid[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+
+
+def _parts(axes: Axes, rounds: list[Mapping[str, Any]]) -> None:
+    keys = ("round", "bound", "epsilon", "xi", "measured")
+    number, value, epsilon, xi, measured = np.array(
+        [[entry[key] for key in keys] for entry in rounds], dtype=float
+    ).T
+    # Seeds differ in T, so the mean bound is split in proportion and not computed anew.
+    fit = value * np.divide(epsilon, epsilon + xi, out=np.zeros_like(xi), where=epsilon + xi > 0)
+    axes.bar(number, fit, width=0.8, color=FIT, label="T ε: fitting error")
+    axes.bar(number, value - fit, 0.8, bottom=fit, color=SKY, label="T ξ: outside the support")
+    axes.plot(number, measured, color=INK, marker="o", markersize=5, label="measured J")

@@ -1,0 +1,85 @@
+"""What each method asks of the expert, round by round."""
+
+from collections.abc import Mapping, Sequence
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from sheath_manip.experiments.figures.style import (
+    drawing,
+    heading,
+    last_round,
+    looks,
+    offsets,
+    percent_axis,
+    round_axis,
+    shown,
+)
+
+
+def burden(summary: Mapping[str, Any], path: Path) -> None:
+    """Expert share, switches, and the labels of a training run: per round and up to it."""
+    methods, seeds = summary["methods"], len(summary["seeds"])
+    with drawing(path, height_px=1100) as figure:
+        heading(
+            figure,
+            f"{summary['experiment'].capitalize()}: what the expert had to do",
+            f"means over {seeds} training seeds with {summary['plan']['episodes']} episodes a "
+            "round; round 0 are the demonstrations, which all methods share",
+        )
+        grid = figure.subplots(2, 2)
+        share, switches, queries, total = grid.ravel()
+        beside = offsets(len(methods))
+        for offset, (name, look) in zip(beside, looks(list(methods)).items(), strict=True):
+            entries = methods[name]["rounds"]
+            learning = [entry for entry in entries if entry["round"] > 0]
+            _line(share, name, look, offset, learning, _values(learning, "expert_share"))
+            _line(switches, name, look, offset, learning, _values(learning, "switches_per_episode"))
+            _line(queries, name, look, offset, learning, _values(learning, "queries"))
+            # From the demonstrations on, whose labels the expert gave as well.
+            up_to = list(accumulate(_values(entries, "queries")))
+            _line(total, name, look, offset, entries, up_to)
+        share.set_title("Steps in which the expert acted")
+        switches.set_title("Changes of who acts, per episode")
+        queries.set_title("Labels asked in the round, per training seed")
+        total.set_title("Labels asked so far, per training seed")
+        for axes, unit in zip(
+            grid.ravel(), ("share of steps", "switches", "labels", "labels"), strict=True
+        ):
+            axes.set_ylabel(unit)
+        percent_axis(share)
+        for axes in (queries, total):
+            axes.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+        for axes in grid.ravel():
+            axes.set_ylim(bottom=0)
+            round_axis(axes, last_round(summary))
+        handles, labels = share.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(methods))
+
+
+def _line(
+    axes: Axes,
+    name: str,
+    look: tuple[str, str],
+    offset: float,
+    entries: Sequence[Mapping[str, Any]],
+    values: Sequence[float],
+) -> None:
+    colour, marker = look
+    axes.plot(
+        [entry["round"] + offset for entry in entries],
+        values,
+        color=colour,
+        marker=marker,
+        markersize=5.5,
+        clip_on=False,
+        zorder=3,
+        label=shown(name),
+    )
+
+
+def _values(entries: Sequence[Mapping[str, Any]], key: str) -> list[float]:
+    return [np.nan if entry[key] is None else entry[key] for entry in entries]

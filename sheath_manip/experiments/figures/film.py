@@ -1,0 +1,96 @@
+"""One intervention as a short film that a README can show."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.figures.intervention import Intervention, best_intervention
+from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
+from sheath_manip.types import Actor
+
+SIDE_PX = 288
+FRAME_PX = 8
+BELOW_PX = 84
+MARGIN_PX = 14
+SLOWER = 2.0
+"""than it was: at 10 Hz an intervention is over before one has looked"""
+PAUSE_MS = 900
+"""on the last frame, before the film begins anew"""
+COLOURS = 80
+INK_RGB = (34, 39, 46)
+FONT = cv2.FONT_HERSHEY_DUPLEX
+
+
+def film(store: EpisodeStore, path: Path) -> None:
+    """An animated GIF of the intervention and its surroundings, at half speed.
+
+    Raises NothingToShowError where SHEATH's episodes have no intervention.
+    """
+    shown = best_intervention(store)
+    window = range(*shown.window.indices(len(shown.episode.steps)))
+    pictures = [_frame(shown, index) for index in window]
+    # One palette for all frames, or their colours would flicker; these two show both actors.
+    typical = np.concatenate([pictures[0], pictures[shown.start - window.start]])
+    palette = limited(Image.fromarray(typical), COLOURS)
+    frames = [limited(Image.fromarray(picture), COLOURS, palette) for picture in pictures]
+    frame_ms = round(1000 * SLOWER / shown.episode.info.control_rate_hz)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    frames[0].save(
+        path,
+        format="GIF",
+        save_all=True,
+        append_images=frames[1:],
+        duration=[frame_ms] * (len(frames) - 1) + [PAUSE_MS],
+        loop=0,
+        optimize=False,
+    )
+
+
+def _frame(shown: Intervention, index: int) -> NDArray[np.uint8]:
+    """(h, w, 3) RGB: the camera in the colour of who acts, below it the score up to now."""
+    step = shown.episode.steps[index]
+    expert = step.decision.actor is Actor.EXPERT
+    colour = _rgb(EXPERT if expert else POLICY)
+    image = next(iter(step.observation.images.values()))
+    image = cv2.resize(image, (SIDE_PX, SIDE_PX), interpolation=cv2.INTER_CUBIC)
+    whole = SIDE_PX + 2 * FRAME_PX
+    picture = np.full((whole + BELOW_PX, whole, 3), 255, np.uint8)
+    picture[:whole] = colour
+    picture[FRAME_PX : -FRAME_PX - BELOW_PX, FRAME_PX:-FRAME_PX] = image
+    words = "expert acts" if expert else "policy acts"
+    place = (MARGIN_PX, whole + 20)
+    cv2.putText(picture, words, place, FONT, 0.5, colour, 1, cv2.LINE_AA)
+    place = (whole - 152, whole + 20)
+    cv2.putText(picture, "support score", place, FONT, 0.5, INK_RGB, 1, cv2.LINE_AA)
+    _draw_score(picture[whole + 28 : -6], shown, index)
+    return picture
+
+
+def _draw_score(panel: NDArray[np.uint8], shown: Intervention, now: int) -> None:
+    """Draw threshold, and score up to `now`, into the view `panel`."""
+    height, width, _ = panel.shape
+    steps = shown.episode.steps[shown.window]
+    scores = np.array([step.decision.score for step in steps])
+    thresholds = np.array([step.decision.threshold for step in steps])
+    both = np.concatenate([scores, thresholds])
+    low, high = np.nanmin(both), np.nanmax(both)
+    x = np.linspace(MARGIN_PX, width - MARGIN_PX, len(steps))
+    scale = (height - 8) / max(high - low, 1e-12)
+
+    def line(values: NDArray, colour: tuple[int, int, int], upto: int, thick: int) -> None:
+        y = 4 + (high - values) * scale
+        points = np.stack([x, y], 1)[:upto]
+        points = np.rint(points[np.isfinite(points).all(1)]).astype(np.int32)
+        cv2.polylines(panel, [points[:, None]], False, colour, thick, cv2.LINE_AA)
+
+    line(thresholds, _rgb(PALE), len(steps), 2)
+    line(scores, INK_RGB, now - shown.window.start + 1, 2)
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    red, green, blue = bytes.fromhex(colour[1:])
+    return red, green, blue

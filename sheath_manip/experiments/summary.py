@@ -1,0 +1,201 @@
+"""An experiment as one JSON document and one table: what every method did, with intervals."""
+
+import dataclasses
+import math
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
+from sheath_manip.plan import LearningPlan
+from sheath_manip.results import RoundResult
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def summarise(
+    task_name: str,
+    plan: LearningPlan,
+    results: Mapping[str, Sequence[RoundResult]],
+    expert_records: Sequence[EpisodeRecord],
+    command: str,
+    wall_s: float,
+    metric: str | None = None,
+) -> dict[str, Any]:
+    """Everything that an experiment showed, as plain values that JSON keeps; null stands for NaN.
+
+    Args:
+        task_name: becomes the experiment's name.
+        plan: its settings.
+        results: by method, the rounds of all training seeds in any order, round 0 included.
+        expert_records: of all episodes that the expert drove alone.
+        command: that runs the experiment again.
+        wall_s: what it took.
+        metric: `TaskSpec.metric`; the first one of the expert's episodes where it is not given.
+    """
+    expert = _figures(expert_records)
+    return _plain(
+        {
+            "experiment": task_name,
+            "command": command,
+            "git": git_revision(),
+            "seeds": plan.seeds,
+            "wall_s": round(wall_s, 1),
+            "plan": plan.described(),
+            "metric": metric or next(iter(expert["metric"]), None),
+            "expert": expert,
+            "methods": {name: _method(rounds) for name, rounds in results.items()},
+        }
+    )
+
+
+def git_revision(root: Path = ROOT) -> str | None:
+    """The short hash of the commit that ran, with "-dirty" where files differ; None without git."""
+    if not (root / ".git").exists():
+        return None
+    # The experiment itself writes into results/, which makes it no other program.
+    changes = ("status", "--porcelain", "--", ".", ":(exclude)results")
+    try:
+        revision, changed = (
+            subprocess.run(
+                ("git", "-C", str(root), *arguments), capture_output=True, text=True, check=True
+            ).stdout.strip()
+            for arguments in (("rev-parse", "--short", "HEAD"), changes)
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return f"{revision}-dirty" if changed else revision
+
+
+def table(summary: Mapping[str, Any]) -> Table:
+    """One row a method, below each figure its 95 % interval; fits a terminal of 80 columns."""
+    metric = summary["metric"]
+    grid = Table(
+        title=f"{summary['experiment']}: training seeds {', '.join(map(str, summary['seeds']))}",
+        caption="executed: what ran in all rounds, the policy under its gate · alone: the last "
+        "policy without gate, on held-out scenes · final: the same on the final variant · "
+        "[not dim]dim[/not dim]: 95 % interval",
+        title_justify="left",
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=0,
+    )
+    grid.add_column("\n\nmethod")
+    executed = ("executed\nfailed\n%", f"executed\n{metric}")
+    burden = ("expert\nshare\n%", "queries\na seed", "false\nalarms\n%", "switches\nepisode")
+    for header in (*executed, *burden, "alone\nfailed\n%", f"alone\n{metric}", f"final\n{metric}"):
+        grid.add_column(header, justify="right", vertical="top")
+    expert = summary["expert"]
+    grid.add_row("expert", _rate(expert), _mean(expert, metric), end_section=True)
+    for name, method in summary["methods"].items():
+        overall, last = method["overall"], method["rounds"][-1]
+        grid.add_row(
+            name.replace("-", "-\n", 1),
+            _rate(overall),
+            _mean(overall, metric),
+            _percent(overall["expert_share"]),
+            _number(overall["queries"], ",.0f"),
+            _percent(overall["false_alarm_rate"]),
+            _number(overall["switches_per_episode"], ".1f"),
+            _rate(last["policy"]),
+            _mean(last["policy"], metric),
+            _mean(method["final"], metric),
+        )
+    return grid
+
+
+def _method(results: Sequence[RoundResult]) -> dict[str, Any]:
+    numbers = sorted({result.round for result in results})
+    learning = [result for result in results if result.round > 0]
+    return {
+        "rounds": [
+            {"round": number, **_round([result for result in results if result.round == number])}
+            for number in numbers
+        ],
+        # Over rounds 1 and up and all seeds; queries are a training run's total.
+        "overall": {**_figures(_episodes(learning, "executed")), **_burden(learning)},
+        "final": _figures(_episodes(results, "final")),
+    }
+
+
+def _round(results: Sequence[RoundResult]) -> dict[str, Any]:
+    """One round over all seeds: episodes are pooled, what is measured once a seed is averaged."""
+    bounds = [result.bound for result in results]
+    return {
+        "runs": len(results),
+        "executed": _figures(_episodes(results, "executed")),
+        "policy": _figures(_episodes(results, "policy")),
+        **_burden(results),
+        "missed_rate": _average(result.missed_rate for result in results),
+        "surrogate_loss": _average(result.surrogate_loss for result in results),
+        "horizon": _average(bound.horizon for bound in bounds),
+        "epsilon": _average(bound.epsilon for bound in bounds),
+        "xi": _average(bound.xi for bound in bounds),
+        "bound": _average(bound.value for bound in bounds),
+        "measured": _average(bound.measured for bound in bounds),
+        "threshold": _average(result.threshold for result in results),
+        "states": _average(result.states for result in results),
+    }
+
+
+def _burden(results: Sequence[RoundResult]) -> dict[str, float]:
+    """What the expert had to do; queries are those of one training run, averaged over the seeds."""
+    records = _episodes(results, "executed")
+    runs = len({result.run_seed for result in results})
+    return {
+        "expert_share": expert_share(records),
+        "queries": sum(record.queries for record in records) / runs if runs else math.nan,
+        "switches_per_episode": _average(record.switches for record in records),
+        "false_alarm_rate": _average(result.false_alarm_rate for result in results),
+    }
+
+
+def _episodes(results: Sequence[RoundResult], field: str) -> list[EpisodeRecord]:
+    return [record for result in results for record in getattr(result, field)]
+
+
+def _figures(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
+    return dataclasses.asdict(figures_of(records))
+
+
+def _average(values: Any) -> float:
+    array = np.array(list(values), dtype=float)
+    return float(array.mean()) if array.size else math.nan
+
+
+def _plain(value: Any) -> Any:
+    """As it will be when read back from JSON, which knows neither tuples nor NaN."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def _rate(figures: Mapping[str, Any]) -> str:
+    if figures["failure_rate"] is None:
+        return "–"
+    low, high = figures["ci95"]["failure_rate"]
+    return f"{_percent(figures['failure_rate'])}\n[dim]{100 * low:.0f}–{100 * high:.0f}[/dim]"
+
+
+def _mean(figures: Mapping[str, Any], metric: str | None) -> str:
+    if metric not in figures["metric"]:
+        return "–"
+    low, high = figures["ci95"][metric]
+    return f"{figures['metric'][metric]:.2f}\n[dim]±{(high - low) / 2:.2f}[/dim]"
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else f"{100 * value:.1f}"
+
+
+def _number(value: float | None, form: str) -> str:
+    return "–" if value is None else format(value, form)

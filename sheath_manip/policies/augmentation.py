@@ -1,0 +1,20 @@
+"""What may be done to training images without changing what the expert would do."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def shifted(
+    images: NDArray[np.uint8], most_px: int, rng: np.random.Generator
+) -> NDArray[np.uint8]:
+    """(n, h, w, 3) images, each moved by up to `most_px` pixels in both directions.
+
+    Random shifts are the augmentation that pays most for image policies (Kostrikov et al. 2021,
+    'Image augmentation is all you need'). What leaves on one side enters on the other.
+    """
+    if most_px == 0:
+        return images
+    moved = np.empty_like(images)
+    for number, (down, right) in enumerate(rng.integers(-most_px, most_px + 1, (len(images), 2))):
+        moved[number] = np.roll(images[number], (down, right), axis=(0, 1))
+    return moved

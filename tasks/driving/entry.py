@@ -1,0 +1,59 @@
+"""Driving's entry in the table of tasks."""
+
+from functools import partial
+from typing import Any
+
+from sheath_manip.plan import LearningPlan
+from sheath_manip.task import TaskEntry
+from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.expert import DrivingExpert
+from tasks.driving.task import DrivingTask, Scenario
+
+
+def make(scenario: Scenario) -> ComposerEnvironment:
+    """An environment of this task."""
+    return ComposerEnvironment(DrivingTask(scenario))
+
+
+def support_figure(*arguments: Any) -> None:
+    """`tasks.driving.figures.support`, which imports matplotlib only when it is drawn."""
+    from tasks.driving.figures import support
+
+    support(*arguments)
+
+
+def gate_map_figure(*arguments: Any) -> None:
+    """`tasks.driving.figures.gate_map`, likewise."""
+    from tasks.driving.figures import gate_map
+
+    gate_map(*arguments)
+
+
+DRIVING = TaskEntry(
+    name="driving",
+    summary="laps on a closed track among slower cars, steered from an overhead camera",
+    variants={
+        "default": partial(make, Scenario()),
+        # The last policies are judged over three laps.
+        "final": partial(make, Scenario(laps=3.0)),
+        # The draft's camera: 500 px and two levels of the pyramid, three times as dear a frame and
+        # 0.8/255 away from the default's.
+        "paper-camera": partial(make, Scenario(render_px=500, pyramid_levels=2)),
+    },
+    expert=DrivingExpert,
+    plans={
+        "full": LearningPlan(),
+        "quick": LearningPlan(
+            methods=("dagger", "sheath"),
+            seeds=(0,),
+            demonstrations=5,
+            calibration=5,
+            check=3,
+            rounds=2,
+            episodes=4,
+            held_out=5,
+            final=2,
+        ),
+    },
+    figures={"support.png": support_figure, "gate_map.png": gate_map_figure},
+)

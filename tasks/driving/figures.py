@@ -1,0 +1,185 @@
+"""Driving's own figures: the support on the road, of positions and of what the gate really sees."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from sheath_manip.checkpoint import Checkpoint
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.figures.intervention import NothingToShowError
+from sheath_manip.experiments.figures.style import BLUE, GREY, INK, VERMILLION, drawing, heading
+from sheath_manip.support.plane import NUS, plane_levels
+from sheath_manip.types import Observation, Purpose
+from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.task import DrivingTask
+from tasks.driving.track import Track
+
+ALONG_STEPS, ACROSS_STEPS = 72, 11
+"""of the gate's map: a pose every 1.9 m of the lap and every 1.2 m across: 2400 pictures"""
+ACROSS_M = 6.0
+"""to each side of the centre line, so that the map ends off the road"""
+TURNED_DEG = (-30.0, 0.0, 30.0)
+"""headings of the map, from the road's"""
+FAR_M = 500.0
+"""beside the road: where the other cars wait"""
+SUPPORT = "#F0E442"
+GRASS, TARMAC = "#c3d3bd", "#9b9ba3"
+GATE_COLOURS = LinearSegmentedColormap.from_list("gate", [VERMILLION, "white", BLUE])
+BATCH = 64
+
+
+def support(
+    store: EpisodeStore, checkpoint: Checkpoint, environment: ComposerEnvironment, path: Path
+) -> None:
+    """The draft's Fig. 1, from the demonstrations of the checkpoint's training seed."""
+    episodes = store.episodes(
+        Purpose.DEMONSTRATION, run_seed=checkpoint.run_seed, need_images=False
+    )
+    features = [[step.observation.features for step in episode.steps] for episode in episodes]
+    if not features:
+        raise NothingToShowError(
+            f"{store.path} holds no demonstrations of seed {checkpoint.run_seed}; "
+            "collect some first"
+        )
+    spec = environment.spec
+    columns = [spec.feature_names.index(name) for name in spec.plane or ()]
+    draw_support(np.concatenate(features)[:, columns], _task(environment).track, path)
+
+
+def draw_support(positions: NDArray, track: Track, path: Path, nus: Sequence[float] = NUS) -> None:
+    """A panel for each nu: the track from above, (n, 2) positions and where they have support."""
+    levels = plane_levels(positions, nus)
+    with drawing(path, height_px=1440) as figure:
+        heading(
+            figure,
+            "Where the expert has been: the estimated support of its positions",
+            f"one-class SVM on the (x, y) of {len(positions):,} states; ν is the share of them "
+            "that may lie outside",
+        )
+        panels = figure.subplots(2, 2, sharex=True, sharey=True)
+        for axes, nu in zip(panels.ravel(), nus, strict=True):
+            grid = (levels.x_m, levels.y_m, levels.scores[nu])
+            _ground(axes, track)
+            axes.contourf(*grid, [0, np.inf], colors=[SUPPORT], alpha=0.55)
+            axes.contour(*grid, [0], colors=[SUPPORT], linewidths=2)
+            axes.scatter(*positions.T, s=1.5, color=INK, linewidth=0, zorder=3)
+            axes.set_title(f"ν = {nu:g}")
+        for axes in panels[:, 0]:
+            axes.set_ylabel("y (m)")
+        for axes in panels[1]:
+            axes.set_xlabel("x (m)")
+        shapes = (
+            Line2D([], [], linestyle="", marker="o", markersize=3, color=INK),
+            Patch(facecolor=SUPPORT, alpha=0.8),
+        )
+        names = ("a position of the expert", "estimated support")
+        figure.legend(shapes, names, loc="outside lower center", ncols=2)
+
+
+def gate_map(
+    store: EpisodeStore,  # noqa: ARG001
+    checkpoint: Checkpoint,
+    environment: ComposerEnvironment,
+    path: Path,
+) -> None:
+    """The real gate's score over an empty road: each pose rendered, embedded and scored."""
+    task = _task(environment)
+    along = np.linspace(0, task.track.lap_length, ALONG_STEPS + 1)
+    across = np.linspace(-ACROSS_M, ACROSS_M, ACROSS_STEPS)
+    poses = task.track.pose(*np.meshgrid(along, across))
+    maps = []
+    for turned_deg in TURNED_DEG:
+        turned = poses + np.array([0.0, 0.0, np.deg2rad(turned_deg)])
+        # The first column is the last one again.
+        scores = pose_scores(checkpoint, environment, turned[:, :-1].reshape(-1, 3))
+        scores = scores.reshape(ACROSS_STEPS, ALONG_STEPS)
+        maps.append(np.concatenate([scores, scores[:, :1]], 1) - checkpoint.threshold)
+    reach = max(float(np.nanmax(np.abs(scores))) for scores in maps)
+    norm = Normalize(-reach, reach)
+    with drawing(path, height_px=580) as figure:
+        heading(
+            figure,
+            "Where the policy may drive: the gate's score over an empty road",
+            f"{checkpoint.method or 'policy'}, round {checkpoint.round}, seed "
+            f"{checkpoint.run_seed}, driven counter-clockwise; black: the gate's threshold",
+        )
+        panels = figure.subplots(1, len(maps), sharey=True)
+        for axes, turned_deg, scores in zip(panels, TURNED_DEG, maps, strict=True):
+            axes.pcolormesh(
+                *np.moveaxis(poses[..., :2], -1, 0),
+                scores,
+                shading="gouraud",
+                cmap=GATE_COLOURS,
+                norm=norm,
+            )
+            axes.contour(poses[..., 0], poses[..., 1], scores, [0.0], colors=[INK], linewidths=1)
+            for lateral in (-task.track.road_half_width, task.track.road_half_width):
+                x, y, _ = np.moveaxis(task.track.pose(along, np.full_like(along, lateral)), -1, 0)
+                axes.plot(x, y, color=GREY, linewidth=1, linestyle=(0, (4, 3)))
+            axes.set_aspect("equal")
+            axes.grid(False)
+            side = "to the left" if turned_deg > 0 else "to the right"
+            turn = f"turned {abs(turned_deg):.0f}° {side}" if turned_deg else "along the road"
+            axes.set_title(f"heading {turn}")
+            axes.set_xlabel("x (m)")
+        panels[0].set_ylabel("y (m)")
+        bar = figure.colorbar(ScalarMappable(norm, GATE_COLOURS), ax=panels, shrink=0.8, pad=0.01)
+        bar.set_label("score − threshold\nexpert drives   |   policy drives")
+
+
+def pose_scores(
+    checkpoint: Checkpoint, environment: ComposerEnvironment, poses: NDArray
+) -> NDArray[np.float64]:
+    """(n,) the gate's scores at (n, 3) x (m), y (m), heading (rad), with no other car in sight."""
+    task = _task(environment)
+    environment.reset(0)
+    # Not before the reset, which may compile the model anew.
+    physics = environment.physics
+    assert physics is not None
+    away = np.full(task.scenario.cars, -FAR_M)
+    task.set_traffic(physics, np.stack([np.zeros_like(away), away], 1))
+
+    def seen(pose: NDArray) -> Observation:
+        task.place(physics, pose)
+        physics.forward()
+        return environment.observe()
+
+    scores = []
+    for first in range(0, len(poses), BATCH):
+        batch = [seen(pose) for pose in poses[first : first + BATCH]]
+        images = {
+            camera: np.stack([observation.images[camera] for observation in batch])
+            for camera in environment.spec.cameras
+        }
+        features = np.stack([observation.features for observation in batch])
+        vectors = checkpoint.embedding.transform(images, features)
+        scores.append(checkpoint.support.decision_function(vectors))
+    return np.concatenate(scores)
+
+
+def _task(environment: ComposerEnvironment) -> DrivingTask:
+    if not isinstance(environment.task, DrivingTask):
+        raise TypeError(f"driving's figures want a DrivingTask, got {environment.task!r}")
+    return environment.task
+
+
+def _ground(axes: Axes, track: Track) -> None:
+    """Paint grass and road, without the grain of the track's own picture."""
+    along = np.linspace(0, track.lap_length, 400)
+    edges = (-track.road_half_width, track.road_half_width)
+    outer, inner = (track.pose(along, np.full_like(along, edge))[:, :2].T for edge in edges)
+    axes.set_facecolor(GRASS)
+    axes.fill(*outer, facecolor=TARMAC, edgecolor="white", linewidth=1.5)
+    axes.fill(*inner, facecolor=GRASS, edgecolor="white", linewidth=1.5)
+    around_m = track.road_half_width + 2.0
+    axes.set_xlim(-track.half_length - around_m, track.half_length + around_m)
+    axes.set_ylim(-track.half_width - around_m, track.half_width + around_m)
+    axes.set_aspect("equal")
+    axes.grid(False)

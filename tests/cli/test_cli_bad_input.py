@@ -1,0 +1,264 @@
+"""Bad input: one clear line, exit code 2, nothing recorded is lost."""
+
+import json
+import shutil
+import socket
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sheath_manip.cli.entry import run_command
+from sheath_manip.dataset.store import EpisodeStore
+from tests.toy import CORRIDOR, Corridor, MiddleKeeper
+
+VERBS = ("collect", "train", "run", "evaluate", "experiment", "dashboard")
+REST = {
+    "collect": ("--store", "x"),
+    "train": ("--store", "x", "--checkpoint", "y"),
+    "run": ("--checkpoint", "y"),
+    "evaluate": ("--checkpoint", "y"),
+    "experiment": (),
+    "dashboard": (),
+}
+
+
+def with_header(source: Path, target: Path, **changes: object) -> Path:
+    """A copy of the checkpoint with other entries in its header."""
+    with np.load(source) as content:
+        arrays = dict(content)
+    header = json.loads(str(arrays.pop("header"))) | changes
+    np.savez(target, header=np.array(json.dumps(header)), **arrays)
+    return target
+
+
+def _train(complaint, made: Path, tmp_path: Path, *options: object) -> str:
+    checkpoint = tmp_path / "c.npz"
+    line = complaint(
+        "train", "corridor", "--store", made / "store", "--checkpoint", checkpoint, *options
+    )
+    assert not checkpoint.exists()
+    return line
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_unknown_task(complaint, verb):
+    assert complaint(verb, "moon", *REST[verb]) == "sheath: unknown task 'moon'; known: corridor\n"
+
+
+@pytest.mark.parametrize("verb", ["collect", "run", "evaluate", "dashboard"])
+def test_unknown_variant(complaint, made, tmp_path, verb):
+    checkpoint = () if verb == "collect" else ("--checkpoint", made / "first.npz")
+    store = ("--store", tmp_path / "store") if verb == "collect" else ()
+    line = complaint(verb, "corridor", "--variant", "icy", *checkpoint, *store)
+    assert line == "sheath: unknown variant of corridor 'icy'; known: default, final\n"
+    assert not (tmp_path / "store").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "known"),
+    [("policy", "cnn"), ("embedding", "pixels"), ("support", "one-class-svm")],
+)
+def test_unknown_part(complaint, made, tmp_path, option, known):
+    line = _train(complaint, made, tmp_path, f"--{option}", "magic")
+    assert f"unknown {option}" in line
+    assert "'magic'" in line
+    assert known in line
+
+
+def test_unknown_method(complaint):
+    line = complaint("experiment", "corridor", "--methods", "magic")
+    assert "unknown method 'magic'; known: cloning, dagger" in line
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("nu", -0.1),
+        ("nu", float("nan")),
+        ("bandwidth-factor", -1),
+        ("false-alarm-rate", 1.5),
+        ("calibration", 2),
+        ("calibration", 8),
+    ],
+)
+def test_parameter_outside_its_range(complaint, made, tmp_path, option, value):
+    line = _train(complaint, made, tmp_path, f"--{option}", value)
+    assert "want" in line
+    assert str(value) in line
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ("collect", "corridor", "--store", "x", "--episodes", 0),
+        ("run", "corridor", "--checkpoint", "y", "--episodes", 0),
+        ("evaluate", "corridor", "--checkpoint", "y", "--episodes", -1),
+        ("dashboard", "corridor", "--episodes", 0),
+        ("dashboard", "corridor", "--speed", 0),
+        ("replay", "x", "--speed", "nan"),
+        ("experiment", "corridor", "--rounds", 0),
+        ("experiment", "corridor", "--seeds"),
+        ("experiment", "corridor", "--workers", -1),
+        ("experiment", "corridor", "--workers", 2, "--dashboard"),
+    ],
+)
+def test_count_or_speed_outside_its_range(complaint, argv, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "wanted" in complaint(*argv)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("argv", [(), ("fly",), ("collect", "corridor"), ("data", "list")])
+def test_line_that_does_not_parse(sheath, argv):
+    code, out, err = sheath(*argv)
+    assert (code, out) == (2, "")
+    assert err
+
+
+def test_value_that_does_not_parse(sheath):
+    assert sheath("collect", "corridor", "--store", "x", "--episodes", "many")[0] == 2
+
+
+@pytest.mark.parametrize("verb", ["list", "check"])
+def test_no_store(complaint, tmp_path, verb):
+    assert "wanted an episode store" in complaint("data", verb, tmp_path / "none")
+    assert "found a directory without" in complaint("data", verb, tmp_path)
+
+
+def test_foreign_directory_is_left_alone(complaint, tmp_path):
+    (tmp_path / "thesis.tex").write_text("mine")
+    complaint("collect", "corridor", "--store", tmp_path, "--episodes", 1)
+    complaint("train", "corridor", "--store", tmp_path, "--checkpoint", tmp_path / "c.npz")
+    complaint("replay", tmp_path, "--port", 0)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_store_of_another_task(complaint, made, tmp_path, capsys):
+    moon = replace(CORRIDOR, name="moon", variants={"default": _moon}, expert=MiddleKeeper)
+    store = tmp_path / "store"
+    argv = ["collect", "moon", "--store", str(store), "--episodes", "1"]
+    assert run_command(lambda: {"moon": moon}, argv) == 0
+    capsys.readouterr()
+    line = complaint("train", "corridor", "--store", store, "--checkpoint", tmp_path / "c.npz")
+    assert "of task 'moon'" in line
+    assert "unknown task 'moon'" in complaint("replay", store, "--port", 0)
+    moon_run = ("run", "corridor", "--store", store, "--checkpoint")
+    foreign = with_header(made / "first.npz", tmp_path / "moon.npz", task="moon")
+    assert "was trained on task 'moon'" in complaint(*moon_run, foreign)
+
+
+def _moon() -> Corridor:
+    corridor = Corridor()
+    corridor.spec = replace(corridor.spec, name="moon")
+    return corridor
+
+
+@pytest.mark.parametrize("verb", ["run", "evaluate", "dashboard"])
+def test_wrong_checkpoint(complaint, made, tmp_path, verb):
+    argv = (verb, "corridor", "--episodes", 1, "--checkpoint")
+    assert "no checkpoint at" in complaint(*argv, tmp_path / "none.npz")
+    (tmp_path / "text.npz").write_text("not one")
+    assert "cannot be read as a checkpoint" in complaint(*argv, tmp_path / "text.npz")
+    older = with_header(made / "first.npz", tmp_path / "older.npz", schema=0)
+    assert "has schema 0" in complaint(*argv, older)
+
+
+def test_checkpoint_where_none_can_be_written(complaint, made, tmp_path):
+    (tmp_path / "file").write_text("")
+    store = ("--store", made / "store")
+    complaint("train", "corridor", *store, "--checkpoint", tmp_path / "file" / "c.npz")
+    complaint("train", "corridor", *store, "--checkpoint", tmp_path)
+
+
+def test_truncated_episode(complaint, sheath, made, tmp_path):
+    store = shutil.copytree(made / "store", tmp_path / "store")
+    name = EpisodeStore(store).names()[0]
+    files = [path for path in (store / name).rglob("*") if path.is_file()]
+    largest = max(files, key=lambda path: path.stat().st_size)
+    largest.write_bytes(largest.read_bytes()[:10])
+    assert name in complaint("replay", store, "--port", 0)
+    assert name in complaint("train", "corridor", "--store", store, "--checkpoint", tmp_path / "c")
+    code, out, _ = sheath("data", "check", store)
+    assert code == 1
+    assert "8 episodes, 1 faults" in out
+
+
+@pytest.mark.parametrize("which", ["8", "-9", "demonstration"])
+def test_episode_that_is_not_there(complaint, made, which):
+    assert "has no episode" in complaint("replay", made / "store", "--episode", which)
+
+
+def test_taken_port(complaint, made, tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        page = ("--port", port)
+        argv = ("collect", "corridor", "--store", tmp_path / "store", "--dashboard")
+        assert f"cannot listen on 127.0.0.1:{port}" in complaint(*argv, *page)
+        complaint("dashboard", "corridor", *page)
+        complaint("replay", made / "store", *page)
+    assert not (tmp_path / "store").exists()
+
+
+def _failing(after: int, trouble):
+    """The toy task, whose expert gets into trouble once it has acted so often."""
+    acted = 0
+
+    class Failing(MiddleKeeper):
+        def act(self, observation):
+            nonlocal acted
+            acted += 1
+            return trouble() if acted > after else super().act(observation)
+
+    return lambda: {"corridor": replace(CORRIDOR, expert=Failing)}
+
+
+def _interrupt():
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("trouble", "code", "said"),
+    [
+        (lambda: np.array([np.nan], np.float32), 2, "action is not finite"),
+        (_interrupt, 130, "interrupted; what was recorded is kept"),
+    ],
+)
+def test_trouble_on_the_way_loses_nothing(capsys, sheath, tmp_path, trouble, code, said):
+    store = tmp_path / "store"
+    argv = ["collect", "corridor", "--store", str(store), "--episodes", "4"]
+    assert run_command(_failing(30, trouble), argv) == code
+    err = capsys.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+    assert len(EpisodeStore(store).names()) == 2
+    assert sheath("data", "check", store)[0] == 0
+    assert sheath(*argv)[0] == 0
+    assert len(EpisodeStore(store).names()) == 4
+
+
+def test_interrupt_is_how_the_dashboard_ends(capsys):
+    argv = ["dashboard", "corridor", "--port", "0", "--speed", "20"]
+    assert run_command(_failing(30, _interrupt), argv) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_gate_with_a_nan_threshold_is_refused(complaint, made, tmp_path):
+    broken = with_header(made / "first.npz", tmp_path / "nan.npz", threshold=float("nan"))
+    assert "threshold is nan" in complaint("run", "corridor", "--checkpoint", broken)
+
+
+def test_score_of_nan_gives_the_expert_the_wheel(sheath, made, tmp_path):
+    with np.load(made / "first.npz") as content:
+        arrays = dict(content)
+    nan = {
+        name: np.full_like(array, np.nan)
+        for name, array in arrays.items()
+        if name.startswith("support/") and array.dtype.kind == "f"
+    }
+    np.savez(tmp_path / "nan.npz", **(arrays | nan))
+    argv = ("run", "corridor", "--checkpoint", tmp_path / "nan.npz", "--episodes", 1)
+    code, out, _ = sheath(*argv)
+    assert code == 0
+    assert "100%" in out

@@ -1,0 +1,59 @@
+"""The installed command as a process of its own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+SHEATH = [str(Path(sys.executable).parent / "sheath")]
+SCRIPT = [sys.executable, "-m", "tasks.driving"]
+
+
+def _call(command: list[str], *argv: object, **environment: str):
+    return subprocess.run(
+        [*command, *map(str, argv)],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def _complaint(done) -> str:
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("sheath: ")
+    assert done.stderr.count("\n") == 1
+    return done.stderr
+
+
+def test_help_names_every_verb():
+    done = _call(SHEATH, "--help")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    verbs = "tasks collect train run evaluate experiment replay data dashboard doctor"
+    assert all(verb in done.stdout for verb in verbs.split())
+
+
+def test_unknown_task_names_the_known_ones(tmp_path):
+    done = _call(SHEATH, "collect", "moon", "--store", tmp_path / "store")
+    assert _complaint(done) == "sheath: unknown task 'moon'; known: driving\n"
+
+
+def test_data_list_of_no_store(tmp_path):
+    assert "wanted an episode store" in _complaint(_call(SHEATH, "data", "list", tmp_path))
+
+
+def test_rendering_that_is_off(tmp_path):
+    done = _call(SHEATH, "collect", "driving", "--store", tmp_path / "store", MUJOCO_GL="off")
+    assert "MUJOCO_GL" in _complaint(done)
+    assert not (tmp_path / "store").exists()
+
+
+def test_task_script_collects(tmp_path):
+    store = tmp_path / "store"
+    done = _call(SCRIPT, "collect", "--episodes", 1, "--store", store)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "1 success" in done.stdout
+    assert _call(SHEATH, "data", "check", store).returncode == 0

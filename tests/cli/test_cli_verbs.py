@@ -1,0 +1,214 @@
+"""What each verb does where all is well."""
+
+import json
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+from sheath_manip.cli import experiment as experiment_verb
+from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.gates.constant import AlwaysExpert
+from sheath_manip.rollout import rollout
+from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.types import Actor, EpisodeInfo, Purpose
+from tests.toy import CORRIDOR, PLAN, Corridor, MiddleKeeper
+
+
+def test_tasks_lists_tasks_and_all_names(sheath):
+    code, out, _ = sheath("tasks")
+    assert code == 0
+    for word in ("corridor", "50 Hz", "above 64x64 px", "sidestep_m: -0.3 | 0 | 0.3", "final"):
+        assert word in out
+    for name in ("cnn", "pooled-convolutions", "one-class-svm", "random-takeover"):
+        assert name in out
+
+
+def test_collect_records_and_resumes(sheath, tmp_path):
+    store = tmp_path / "store"
+    assert sheath("collect", "corridor", "--store", store, "--episodes", 2)[0] == 0
+    first = {name: (store / name).stat().st_ino for name in EpisodeStore(store).names()}
+    code, out, _ = sheath("collect", "corridor", "--store", store, "--episodes", 3)
+    assert code == 0
+    assert "3 success; 36 steps" in out
+    assert "2 episodes of them from before" in out
+    summaries = EpisodeStore(store).infos()
+    assert len(summaries) == 3
+    assert {name: (store / name).stat().st_ino for name in first} == first
+    seeds = {scene_seed(Purpose.DEMONSTRATION, 0, 0, index) for index in range(3)}
+    assert {summary.info.seed for summary in summaries} == seeds
+    assert {summary.queries for summary in summaries} == {12}
+
+
+def test_collect_keeps_variants_apart(sheath, tmp_path):
+    for variant in ("default", "final"):
+        options = ("--store", tmp_path / "store", "--episodes", 1, "--variant", variant)
+        assert sheath("collect", "corridor", *options)[0] == 0
+    summaries = EpisodeStore(tmp_path / "store").infos()
+    assert {(s.info.method, s.length) for s in summaries} == {("expert", 12), ("expert-final", 24)}
+
+
+def test_train_says_what_came_of_it(sheath, made, tmp_path):
+    checkpoint = tmp_path / "new" / "second.npz"
+    options = ("--policy", "hog-svm", "--embedding", "pixels", "--calibration", 4, "--nu", 0.2)
+    code, out, _ = sheath(
+        "train", "corridor", "--store", made / "store", "--checkpoint", checkpoint, *options
+    )
+    assert code == 0
+    assert checkpoint.is_file()
+    for word in ("48 states of 4 episodes", "training loss", "threshold", "4 held-out expert"):
+        assert word in out
+
+
+def test_run_records_where_a_store_is_given(sheath, made, tmp_path):
+    argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 2)
+    code, out, _ = sheath(*argv, "--store", tmp_path / "store")
+    assert code == 0
+    for word in ("scene seed", "progress", "interventions", "failure_rate"):
+        assert word in out
+    episodes = list(EpisodeStore(tmp_path / "store").episodes())
+    assert [episode.info.purpose for episode in episodes] == [Purpose.LEARNING] * 2
+    assert all(episode.info.checkpoint for episode in episodes)
+    assert all(step.labelled is not None for episode in episodes for step in episode.steps)
+
+
+def test_run_of_the_policy_alone_asks_no_expert(sheath, made, tmp_path):
+    argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 1)
+    assert sheath(*argv, "--policy-alone", "--store", tmp_path / "store")[0] == 0
+    (episode,) = EpisodeStore(tmp_path / "store").episodes()
+    assert episode.info.purpose is Purpose.EVALUATION
+    assert {step.decision.actor for step in episode.steps} == {Actor.POLICY}
+    assert all(step.labelled is None for step in episode.steps)
+
+
+def test_evaluate_prints_nothing_but_json(sheath, made):
+    argv = ("evaluate", "corridor", "--checkpoint", made / "first.npz", "--episodes", 3)
+    code, out, err = sheath(*argv, "--json")
+    assert (code, err) == (0, "")
+    figures = json.loads(out)
+    assert figures["episodes"] == 3
+    assert 0 <= figures["failure_rate"] <= 1
+    assert figures["ci95"].keys() == {"failure_rate", "success_rate", "progress"}
+    code, out, _ = sheath(*argv)
+    assert code == 0
+    assert "95 % interval" in out
+
+
+def test_data_list_and_check(sheath, made):
+    code, out, _ = sheath("data", "list", made / "store")
+    assert code == 0
+    assert "8 episodes, 96 steps" in out
+    code, out, _ = sheath("data", "check", made / "store")
+    assert code == 0
+    assert "0 faults" in out
+
+
+def test_dashboard_shows_expert_and_policy(sheath, made):
+    argv = ("dashboard", "corridor", "--port", 0, "--speed", 20, "--episodes")
+    code, out, _ = sheath(*argv, 2)
+    assert code == 0
+    assert "http://127.0.0.1:" in out
+    assert "?token=" in out
+    assert out.count("success") == 2
+    assert sheath(*argv, 1, "--checkpoint", made / "first.npz")[0] == 0
+
+
+@pytest.mark.parametrize("which", ["0", "-1"])
+def test_replay_shows_an_episode(sheath, made, which):
+    argv = ("replay", made / "store", "--episode", which, "--once", "--speed", 20, "--port", 0)
+    code, out, _ = sheath(*argv)
+    assert code == 0
+    assert "12 steps, success" in out
+
+
+def test_pacing_keeps_the_control_rate():
+    environment = Corridor()
+    info = EpisodeInfo("corridor", 0, Purpose.LEARNING, 50.0)
+    sleeps = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("time.sleep", sleeps.append)
+        patch.setattr("time.monotonic", lambda: sum(sleeps))
+        rollout(
+            environment,
+            info,
+            AlwaysExpert(),
+            rng=generator("none"),
+            expert=MiddleKeeper(environment),
+            listeners=(Pacing(speed=2.0),),
+        )
+    assert sleeps == pytest.approx([0.01] * 12)
+
+
+@pytest.fixture
+def asked(monkeypatch, tmp_path) -> list[dict]:
+    """What `run_experiment` is asked for, without running it, in an empty working directory."""
+    calls = []
+
+    def run_experiment(task, plan, **options):
+        calls.append({"task": task, "plan": plan} | options)
+
+    stand_in = types.ModuleType("sheath_manip.experiments.learning")
+    stand_in.__dict__["run_experiment"] = run_experiment
+    monkeypatch.setitem(sys.modules, stand_in.__name__, stand_in)
+    monkeypatch.chdir(tmp_path)
+    return calls
+
+
+def test_experiment_hands_over_its_settings(sheath, asked):
+    argv = ("experiment", "corridor", "--seeds", 4, 5, "--rounds", 3, "--methods", "cloning")
+    assert sheath(*argv, "--workers", 1)[0] == 0
+    (call,) = asked
+    assert call["task"] is CORRIDOR
+    assert (call["plan"].seeds, call["plan"].rounds) == ((4, 5), 3)
+    assert call["plan"].methods == ("cloning",)
+    assert (call["runs"], call["results"]) == (Path("runs/corridor"), Path("results/corridor"))
+    assert (call["workers"], list(call["listeners"])) == (1, [])
+    assert call["command"] == (
+        "sheath experiment corridor --seeds 4 5 --rounds 3 --methods cloning --workers 1"
+    )
+
+
+def test_experiment_quick_stays_out_of_the_results(sheath, asked):
+    code, out, _ = sheath("experiment", "corridor", "--quick", "--dashboard", "--port", 0)
+    assert code == 0
+    assert "http://127.0.0.1:" in out
+    (call,) = asked
+    assert call["plan"] == PLAN
+    runs = Path("runs/corridor-quick")
+    assert (call["runs"], call["results"]) == (runs, runs / "results")
+    assert (call["workers"], len(call["listeners"])) == (0, 1)
+
+
+def test_experiment_takes_at_most_the_cores(sheath, asked, monkeypatch):
+    monkeypatch.setattr(experiment_verb.os, "cpu_count", lambda: 1)
+    assert sheath("experiment", "corridor")[0] == 0
+    assert asked[0]["workers"] == 1
+
+
+def test_experiment_fresh_keeps_the_earlier_run(sheath, asked, tmp_path):
+    for content in ("first", "second"):
+        (tmp_path / "runs").mkdir(parents=True)
+        (tmp_path / "runs" / "plan.json").write_text(content)
+        argv = ("experiment", "corridor", "--fresh", "--runs", tmp_path / "runs")
+        code, out, _ = sheath(*argv)
+        assert code == 0
+        assert "the earlier run is kept" in out
+    kept = [(tmp_path / f"runs-before-{n}" / "plan.json").read_text() for n in (1, 2)]
+    assert kept == ["first", "second"]
+    assert len(asked) == 2
+
+
+def test_task_script_has_the_verbs_without_the_task(capsys, tmp_path):
+    argv = ["collect", "--store", str(tmp_path / "store"), "--episodes", "1"]
+    assert run_task_command(lambda: {"corridor": CORRIDOR}, "corridor", argv) == 0
+    assert len(EpisodeStore(tmp_path / "store").names()) == 1
+    with pytest.raises(SystemExit):
+        run_task_command(lambda: {"corridor": CORRIDOR}, "corridor", ["--help"])
+    text = capsys.readouterr().out
+    assert all(verb in text for verb in (*OF_A_TASK, *OF_A_STORE))
+    with pytest.raises(SystemExit):
+        run_task_command(lambda: {"corridor": CORRIDOR}, "corridor", ["collect", "--help"])
+    assert "TASK" not in capsys.readouterr().out

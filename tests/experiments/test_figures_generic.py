@@ -1,0 +1,164 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import StoreError, UnknownNameError
+from sheath_manip.experiments.figures import FIGURES, write_figures
+from sheath_manip.experiments.figures.intervention import best_intervention
+from sheath_manip.experiments.summary import summarise
+from sheath_manip.plan import LearningPlan
+from sheath_manip.types import (
+    Actor,
+    Episode,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Outcome,
+    Purpose,
+    Reason,
+    Step,
+)
+from tests.experiments.round_results import expert_records_of, results_of
+
+PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)
+ACTION = np.array([0.1], np.float32)
+
+
+def episode(
+    index: int, actors: str, outcome: Outcome = Outcome.SUCCESS, method: str = "sheath"
+) -> Episode:
+    """`actors` has one letter a step: p policy, e expert."""
+    rng = np.random.default_rng(index)
+
+    def observation(step: int) -> Observation:
+        image = np.full((40, 40, 3), (70, 120, 60), np.uint8)
+        image[15:25, 15:25] = rng.integers(0, 255, (10, 10, 3))
+        return Observation({"top": image}, np.zeros(1, np.float32), step / 10)
+
+    steps = []
+    for number, letter in enumerate(actors):
+        expert = letter == "e"
+        decision = GateDecision(
+            Actor.EXPERT if expert else Actor.POLICY,
+            True,
+            Reason.OUTSIDE if expert else Reason.INSIDE,
+            -0.1 if expert else 0.1,
+            0.0,
+        )
+        steps.append(
+            Step(observation(number), np.zeros(2), ACTION, -ACTION if expert else ACTION,
+                 decision, ACTION, 0.0)
+        )  # fmt: skip
+    info = EpisodeInfo("toy", index, Purpose.LEARNING, 10.0, method, 1, index)
+    return Episode(
+        info,
+        tuple(steps),
+        observation(len(steps)),
+        np.zeros(2),
+        True,
+        False,
+        outcome,
+        {"laps": 1.0},
+    )
+
+
+@pytest.fixture
+def store(tmp_path) -> EpisodeStore:
+    store = EpisodeStore.create(tmp_path / "store")
+    for made in (
+        episode(0, "p" * 20 + "e" * 12 + "p" * 20, Outcome.FAILURE),
+        episode(1, "p" * 20 + "eeee" + "p" * 20),
+        episode(2, "p" * 20 + "eeeepeeee" + "p" * 20),
+        episode(3, "e" * 15 + "p" * 20),
+        episode(4, "p" * 30),
+        episode(5, "p" * 20 + "e" * 16 + "p" * 20, method="random-takeover"),
+    ):
+        store.append(made)
+    return store
+
+
+@pytest.fixture(scope="module")
+def summary() -> dict:
+    return summarise("toy", PLAN, results_of(PLAN), expert_records_of(PLAN), "sheath", 1.0)
+
+
+def assert_shows_something(path: Path) -> None:
+    with Image.open(path) as image:
+        colours = image.convert("RGB").getcolors(maxcolors=1 << 24)
+        pixels = np.asarray(image.convert("L"))
+        if path.suffix == ".png":
+            assert image.width == 1600
+            assert path.stat().st_size < 300_000
+    assert colours is not None
+    assert len(colours) > 20
+    # Ink over the whole picture, not in one corner.
+    for half in (*np.array_split(pixels, 2, 0), *np.array_split(pixels, 2, 1)):
+        assert (half < 200).mean() > 0.002
+
+
+def test_every_figure_is_written_and_shows_something(summary, store, tmp_path):
+    written = write_figures(tmp_path / "figures", summary, store)
+    assert [path.name for path in written] == list(FIGURES)
+    for path in written:
+        assert_shows_something(path)
+
+
+def test_the_same_data_give_the_same_file(summary, store, tmp_path):
+    names = ("rounds.png", "intervention.gif")
+    first = write_figures(tmp_path / "a", summary, store, names=names)
+    second = write_figures(tmp_path / "b", summary, store, names=names)
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+
+
+def test_an_unknown_figure_lists_the_known_ones_and_nothing_is_written(summary, store, tmp_path):
+    with pytest.raises(UnknownNameError, match=r"'round\.png'.*bound\.png.*mine\.png.*rounds\.png"):
+        write_figures(
+            tmp_path / "figures",
+            summary,
+            store,
+            {"mine.png": lambda path: None},  # noqa: ARG005
+            ["burden.png", "round.png"],
+        )
+    assert not (tmp_path / "figures").exists()
+
+
+def test_a_task_adds_its_own_figures(summary, store, tmp_path):
+    own = {"mine.png": lambda path: path.write_text("drawn")}
+    assert write_figures(tmp_path, summary, store, own, ["mine.png"]) == [tmp_path / "mine.png"]
+
+
+def test_without_an_intervention_only_its_pictures_are_missing(summary, tmp_path):
+    store = EpisodeStore.create(tmp_path / "store")
+    store.append(episode(0, "p" * 20))
+    stale = tmp_path / "film_strip.png"
+    stale.write_text("of an earlier run")
+    names = ["burden.png", "film_strip.png"]
+    assert write_figures(tmp_path, summary, store, names=names) == [tmp_path / "burden.png"]
+    assert not stale.exists()
+
+
+def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):
+    (next(store.path.glob("learning-sheath-*")) / "zarr.json").write_text("{")
+    with pytest.raises(StoreError):
+        write_figures(tmp_path, summary, store, names=["film_strip.png"])
+
+
+def test_the_best_intervention_succeeds_between_steps_of_the_policy(store):
+    best = best_intervention(store)
+    assert (best.episode.info.index, best.start, best.stop) == (2, 20, 29)
+    assert best.expert_s == pytest.approx(0.8)
+    assert best.window == slice(14, 35)
+    assert best.episode.steps[0].observation.images["top"].shape == (40, 40, 3)
+
+
+def test_the_figures_hold_where_a_method_has_no_colour_and_rounds_no_figures(store, tmp_path):
+    results = results_of(PLAN)
+    results["hg-dagger"] = results.pop("dagger")
+    summary = summarise("toy", PLAN, results, [], "sheath", 1.0, metric="laps")
+    for method in summary["methods"].values():
+        method["final"]["metric"] = {}
+    for path in write_figures(tmp_path, summary, store, names=["rounds.png", "bound.png"]):
+        assert_shows_something(path)

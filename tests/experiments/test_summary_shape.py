@@ -1,0 +1,122 @@
+import json
+import math
+import subprocess
+from dataclasses import replace
+
+import pytest
+from rich.console import Console
+
+from sheath_manip.experiments.summary import git_revision, summarise, table
+from sheath_manip.plan import LearningPlan
+from sheath_manip.results import write_json
+from tests.experiments.round_results import expert_records_of, results_of
+
+PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)
+ROUND_KEYS = {
+    "round", "runs", "executed", "policy", "expert_share", "queries", "switches_per_episode",
+    "false_alarm_rate", "missed_rate", "surrogate_loss", "horizon", "epsilon", "xi", "bound",
+    "measured", "threshold", "states",
+}  # fmt: skip
+FIGURE_KEYS = {"episodes", "failure_rate", "success_rate", "metric", "ci95"}
+
+
+@pytest.fixture
+def results():
+    return results_of(PLAN)
+
+
+@pytest.fixture
+def summary(results) -> dict:
+    return summarise(
+        "driving", PLAN, results, expert_records_of(PLAN), "sheath experiment driving", 12.34
+    )
+
+
+def test_the_summary_has_the_one_shape_of_all_experiments(summary):
+    assert {"experiment", "command", "git", "seeds", "wall_s", "expert", "methods"} <= set(summary)
+    assert summary["seeds"] == [0, 1]
+    assert summary["wall_s"] == 12.3
+    assert summary["metric"] == "laps"
+    assert summary["plan"]["rounds"] == 3
+    assert set(summary["expert"]) == FIGURE_KEYS
+    assert set(summary["methods"]) == set(PLAN.methods)
+    for method in summary["methods"].values():
+        assert [entry["round"] for entry in method["rounds"]] == [0, 1, 2, 3]
+        for entry in method["rounds"]:
+            assert set(entry) == ROUND_KEYS
+            assert set(entry["executed"]) == set(entry["policy"]) == FIGURE_KEYS
+            assert set(entry["executed"]["ci95"]) == {"failure_rate", "success_rate", "laps"}
+
+
+def test_seeds_are_pooled_and_the_start_is_shared(summary, results):
+    first = [method["rounds"][0] for method in summary["methods"].values()]
+    assert all(entry == first[0] for entry in first)
+    sheath = summary["methods"]["sheath"]
+    assert [entry["executed"]["episodes"] for entry in sheath["rounds"]] == [10, 10, 10, 10]
+    assert sheath["rounds"][2]["policy"]["episodes"] == 12
+    second = [result for result in results["sheath"] if result.round == 2]
+    assert sheath["rounds"][2]["bound"] == pytest.approx(
+        sum(result.bound.value for result in second) / 2
+    )
+    asked = sum(record.queries for result in second for record in result.executed)
+    assert sheath["rounds"][2]["queries"] == asked / 2
+
+
+def test_overall_leaves_the_demonstrations_out(summary, results):
+    learned = [result for result in results["sheath"] if result.round > 0]
+    overall = summary["methods"]["sheath"]["overall"]
+    assert overall["episodes"] == 30
+    records = [record for result in learned for record in result.executed]
+    share = sum(r.expert_steps for r in records) / sum(r.steps for r in records)
+    assert overall["expert_share"] == pytest.approx(share)
+    assert overall["queries"] == sum(record.queries for record in records) / 2
+    assert summary["methods"]["sheath"]["final"]["episodes"] == 8
+
+
+def test_what_is_not_a_number_is_null_and_the_file_reads_as_it_was_written(results, tmp_path):
+    lost = {
+        method: [replace(result, false_alarm_rate=math.nan, policy=()) for result in rounds]
+        for method, rounds in results.items()
+    }
+    summary = summarise("driving", PLAN, lost, [], "sheath experiment driving", 1.0)
+    json.dumps(summary, allow_nan=False)
+    write_json(tmp_path / "summary.json", summary)
+    assert json.loads((tmp_path / "summary.json").read_text()) == summary
+    assert summary["methods"]["sheath"]["rounds"][1]["false_alarm_rate"] is None
+    assert summary["methods"]["sheath"]["rounds"][1]["policy"]["failure_rate"] is None
+    assert summary["expert"]["failure_rate"] is None
+    Console(quiet=True).print(table(summary))
+
+
+def test_a_run_that_stopped_early_is_summarised_by_the_rounds_it_has(results):
+    results["sheath"] = [r for r in results["sheath"] if r.run_seed == 0 or r.round < 2]
+    summary = summarise("driving", PLAN, results, [], "sheath experiment driving", 1.0)
+    assert [entry["runs"] for entry in summary["methods"]["sheath"]["rounds"]] == [2, 2, 1, 1]
+
+
+def test_the_table_fits_a_terminal(summary, capsys):
+    Console(width=80).print(table(summary))
+    shown = capsys.readouterr().out
+    assert "…" not in shown
+    for method in ("cloning", "dagger", "sheath", "random-"):
+        assert method in shown
+
+
+def test_the_revision_says_whether_files_differ(tmp_path):
+    assert git_revision(tmp_path) is None
+
+    def git(*arguments: str) -> None:
+        identity = ("-c", "user.name=a", "-c", "user.email=a@b")
+        command = ("git", "-C", str(tmp_path), *identity, *arguments)
+        subprocess.run(command, check=True, capture_output=True)
+
+    git("init")
+    assert git_revision(tmp_path) is None
+    git("commit", "--allow-empty", "-m", "first")
+    clean = git_revision(tmp_path)
+    assert clean
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "summary.json").write_text("{}")
+    assert git_revision(tmp_path) == clean
+    (tmp_path / "code.py").write_text("")
+    assert git_revision(tmp_path) == f"{clean}-dirty"

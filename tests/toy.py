@@ -1,0 +1,127 @@
+"""A toy task without a simulator: keep to the middle of a windy corridor, seen from above."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.plan import LearningPlan
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import (
+    Action,
+    ActionSpec,
+    Observation,
+    Outcome,
+    SceneGeom,
+    TaskSpec,
+    Transition,
+)
+
+CHOICES = np.array([[-0.3], [0.0], [0.3]], np.float32)
+ACTION = ActionSpec(("sidestep_m",), CHOICES[0], CHOICES[-1], CHOICES)
+HALF_WIDTH_M = 1.0
+SIDE_PX = 64
+
+
+class Corridor:
+    """Each step goes one metre on and a gust aside; the wall is failure, the end success."""
+
+    def __init__(self, steps: int = 12) -> None:
+        self.spec = TaskSpec(
+            name="corridor",
+            control_rate_hz=50.0,
+            action=ACTION,
+            cameras={"above": (SIDE_PX, SIDE_PX)},
+            feature_names=("x_m", "y_m"),
+            max_steps=steps + 1,
+            metric="progress",
+            plane=("x_m", "y_m"),
+        )
+        self.steps = steps
+        self.side_m = 0.0
+        self.done = 0
+        self._gusts_m = np.zeros(steps)
+
+    def reset(self, seed: int) -> Observation:
+        rng = np.random.default_rng(seed)
+        self.side_m = float(rng.uniform(-0.3, 0.3))
+        self._gusts_m = rng.uniform(-0.2, 0.2, self.steps)
+        self.done = 0
+        return self._observation()
+
+    def step(self, action: Action) -> Transition:
+        self.side_m += float(action[0]) + float(self._gusts_m[self.done])
+        self.done += 1
+        terminated = self.outcome() is not Outcome.TIME_LIMIT
+        return Transition(self._observation(), 1.0, terminated, truncated=False)
+
+    def outcome(self) -> Outcome:
+        if abs(self.side_m) > HALF_WIDTH_M:
+            return Outcome.FAILURE
+        return Outcome.SUCCESS if self.done >= self.steps else Outcome.TIME_LIMIT
+
+    def metrics(self) -> Mapping[str, float]:
+        return {"progress": self.done / self.steps}
+
+    def state(self) -> NDArray[np.float64]:
+        return np.array([self.done, self.side_m])
+
+    def restore(self, state: NDArray[np.float64]) -> Observation:
+        self.done, self.side_m = int(state[0]), float(state[1])
+        return self._observation()
+
+    def scene(self) -> Sequence[SceneGeom]:
+        size, place = np.full(3, 0.1), np.zeros(3)
+        upright = np.array([1.0, 0.0, 0.0, 0.0])
+        return [SceneGeom(0, "box", size, (1.0, 0.0, 0.0, 1.0), place, upright)]
+
+    def body_poses(self) -> NDArray[np.float64]:
+        return np.array([[self.side_m, self.done, 0.0, 1.0, 0.0, 0.0, 0.0]])
+
+    def close(self) -> None:
+        pass
+
+    def _observation(self) -> Observation:
+        image = np.full((SIDE_PX, SIDE_PX, 3), 100, np.uint8)
+        column = round((self.side_m / HALF_WIDTH_M + 1) / 2 * (SIDE_PX - 1))
+        image[:, max(column - 5, 0) : column + 5] = (220, 30, 30)
+        features = np.array([self.side_m, self.done], np.float32)
+        return Observation({"above": image}, features, self.done / 50.0)
+
+
+class MiddleKeeper:
+    """Steps towards the middle where it is far from it."""
+
+    def __init__(self, environment: Corridor) -> None:
+        self.environment = environment
+
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: Observation) -> Action:
+        del observation
+        side_m = self.environment.side_m
+        return CHOICES[1] if abs(side_m) < 0.15 else CHOICES[0 if side_m > 0 else 2]
+
+
+def make_long() -> Corridor:
+    return Corridor(steps=24)
+
+
+PLAN = LearningPlan(
+    seeds=(0,),
+    demonstrations=4,
+    calibration=3,
+    check=3,
+    rounds=2,
+    episodes=2,
+    held_out=2,
+    final=2,
+)
+CORRIDOR = TaskEntry(
+    name="corridor",
+    summary="keep to the middle of a windy corridor",
+    variants={"default": Corridor, "final": make_long},
+    expert=MiddleKeeper,
+    plans={"full": PLAN, "quick": PLAN},
+)
