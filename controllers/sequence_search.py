@@ -20,7 +20,9 @@ class SequenceSearch:
 
     def __init__(self, choices: NDArray, segment_steps: Sequence[int]) -> None:
         if not segment_steps or min(segment_steps) < 1:
-            raise ParameterError(f"segments of {segment_steps} steps; wanted at least one of 1 or more")
+            raise ParameterError(
+                f"segments of {segment_steps} steps; wanted at least one of 1 or more"
+            )
         self._choices = np.asarray(choices, float)
         indices = np.array(list(product(range(len(self._choices)), repeat=len(segment_steps))))
         self.first = indices[:, 0]

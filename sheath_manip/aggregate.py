@@ -197,12 +197,11 @@ class LearningRun:
         states: Samples,
         calibration: Sequence[Samples],
     ) -> Checkpoint:
-        """Read the round's checkpoint, or fit it: policy warm, then embedding, support, threshold."""
+        """Read the round's checkpoint, or fit policy (warm), embedding, support and threshold."""
         path = self._path(method, number, "npz")
         spec = self.environment.spec
         if path.exists():
-            self.report(f"{method} fit {number}")
-            return load_checkpoint(path, spec)
+            return self._fitted(load_checkpoint(path, spec), states)
         plan = self.plan
         policy = make_policy(plan.policy, spec, seed_for("policy", self.run_seed))
         if previous is not None:
@@ -212,9 +211,14 @@ class LearningRun:
             policy, states, calibration, plan, spec.name, method, number, self.run_seed
         )
         checkpoint.save(path)
-        self.report(f"{method} fit {number}")
         # Read back, so that a resumed run continues from the same bits as an uninterrupted one.
-        return load_checkpoint(path, spec)
+        return self._fitted(load_checkpoint(path, spec), states)
+
+    def _fitted(self, checkpoint: Checkpoint, states: Samples) -> Checkpoint:
+        self.report(f"{checkpoint.method} fit {checkpoint.round}")
+        for listener in self.listeners:
+            listener.on_fit(states)
+        return checkpoint
 
     def _measured(
         self,
@@ -224,7 +228,7 @@ class LearningRun:
         aggregated: Samples,
         driver: Checkpoint,
     ) -> RoundResult:
-        """What the round showed: `driver` drove its episodes, `checkpoint` was fitted after them."""
+        """What the round showed: `driver` drove it, `checkpoint` was fitted after it."""
         begin = time.perf_counter()
         visited = samples_from(episodes)
         losses = driver.policy.surrogate_losses(visited)
@@ -244,7 +248,9 @@ class LearningRun:
         )
         surrogate_loss = float(np.mean(losses))
         final: Sequence[EpisodeRecord] = ()
-        if checkpoint.round == self.plan.rounds or self._good_enough(checkpoint.round, surrogate_loss):
+        if checkpoint.round == self.plan.rounds or self._good_enough(
+            checkpoint.round, surrogate_loss
+        ):
             environment = self.task.make("final")
             final = evaluate_policy(
                 environment, checkpoint, self._held_out(self.plan.final), self.report

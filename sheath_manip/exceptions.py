@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 
 class SheathError(Exception):
-    """The root of all errors raised on purpose: what was wanted, what came, what would have worked."""
+    """The root of all errors raised on purpose: what was wanted, what came, what would work."""
 
 
 class UnknownNameError(SheathError):

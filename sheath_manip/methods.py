@@ -21,7 +21,7 @@ class RoundContext:
     round: int
     """from 1"""
     reference_share: float
-    """the expert's share in this round of the method it is to be compared with (`Method.follows`)"""
+    """the expert's share, in this round, of the method to compare with (`Method.follows`)"""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What an episode amounts to, and what a set of episodes says: rates and means with their intervals."""
+"""What an episode amounts to, and what a set of them says: rates and means with intervals."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

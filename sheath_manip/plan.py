@@ -29,7 +29,7 @@ class LearningPlan:
     check: int = 10
     """further held-out expert episodes, to measure false alarms"""
     rounds: int = 8
-    episodes: int = 10
+    episodes: int = 8
     """in a round"""
     held_out: int = 20
     """scenes on which the policy alone is judged after each round"""
@@ -47,7 +47,8 @@ class LearningPlan:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 1")
         if self.calibration < 3:
             raise ParameterError(
-                f"calibration is {self.calibration}; the threshold wants at least 3 held-out episodes"
+                f"calibration is {self.calibration}; "
+                "the threshold wants at least 3 held-out episodes"
             )
         if not 0 < self.nu <= 1:
             raise ParameterError(f"nu is {self.nu}; wanted more than 0 and at most 1")

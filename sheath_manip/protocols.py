@@ -1,4 +1,4 @@
-"""The few interfaces: what a task, an expert, a policy, an embedding, a support estimator, a gate and a listener must offer."""
+"""The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol, Self
@@ -85,10 +85,12 @@ class Policy(Protocol):
     """Maps observations to actions; looks at the observation only."""
 
     def fit(self, samples: Samples) -> Self:
-        """Fit to the labels of `samples`, continuing from the present parameters where there are any."""
+        """Fit to the labels of `samples`, continuing from the present parameters, if any."""
         ...
 
-    def predict(self, images: Mapping[str, NDArray[np.uint8]], features: NDArray) -> NDArray[np.float32]:
+    def predict(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
         """(n, a) actions for (n, h, w, 3) images by camera and (n, f) features."""
         ...
 
@@ -110,7 +112,7 @@ class Policy(Protocol):
 
 
 class Embedding(Protocol):
-    """Maps observations to the vectors on which the support is estimated; its scaling is part of it."""
+    """Maps observations to the vectors on which the support is estimated, scaling included."""
 
     def fit(self, policy: Policy, samples: Samples) -> Self:
         """Fit to the training states of `policy`."""
@@ -164,7 +166,11 @@ class Gate(Protocol):
 
 
 class Listener(Protocol):
-    """Follows a rollout without the loop knowing what it is: recorder, dashboard, progress bar."""
+    """Follows a run without the loop knowing what it is: recorder, dashboard, progress bar."""
+
+    def on_fit(self, states: Samples) -> None:
+        """Called once policy and support have been fitted to `states`."""
+        ...
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Called after the environment's reset."""

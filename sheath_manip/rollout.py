@@ -1,4 +1,4 @@
-"""The one control loop: demonstrations, training, evaluation and teleoperation all run through it."""
+"""The one control loop: demonstrations, training, evaluation and teleoperation run through it."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Where randomness comes from: every generator and every scene is named, so any run is repeatable."""
+"""Where randomness comes from: every generator and scene is named, so any run is repeatable."""
 
 import hashlib
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from sheath_manip.plan import LearningPlan
 from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Environment, Expert
 
 

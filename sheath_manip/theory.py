@@ -34,7 +34,11 @@ class Bound:
 
 
 def measure(
-    episodes: Sequence[Episode], scores: np.ndarray, threshold: float, losses: np.ndarray, epsilon: float
+    episodes: Sequence[Episode],
+    scores: np.ndarray,
+    threshold: float,
+    losses: np.ndarray,
+    epsilon: float,
 ) -> Bound:
     """The bound of one round.
 

@@ -73,7 +73,8 @@ class ActionSpec:
         array = np.asarray(action, dtype=np.float32)
         if array.shape != self.minimum.shape:
             raise ActionError(
-                f"action has shape {array.shape}; wanted {self.minimum.shape} ({', '.join(self.names)})"
+                f"action has shape {array.shape}; wanted {self.minimum.shape} "
+                f"({', '.join(self.names)})"
             )
         if not np.isfinite(array).all():
             raise ActionError(f"action is not finite: {array.tolist()} ({', '.join(self.names)})")
@@ -201,10 +202,10 @@ class SceneGeom:
     body: int
     """row in the environment's `body_poses()`"""
     shape: str
-    """"box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh" or "picture" (a textured plane)"""
+    """`box`, `sphere`, `capsule`, `cylinder`, `ellipsoid`, `mesh` or `picture` (textured plane)"""
     size: NDArray[np.float64]
-    """(3,) metres: half extents of a box, ellipsoid or picture; (radius, half length, 0) of a capsule or
-    cylinder along its z axis; (radius, 0, 0) of a sphere; scale of a mesh"""
+    """(3,) metres: half extents of a box, ellipsoid or picture; (radius, half length, 0) of a
+    capsule or cylinder along its z axis; (radius, 0, 0) of a sphere; scale of a mesh"""
     rgba: tuple[float, float, float, float]
     """each 0..1"""
     position_in_body: NDArray[np.float64]

@@ -2,11 +2,12 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from typing import cast
 
 import dm_env
 import mujoco
 import numpy as np
-from dm_control import composer
+from dm_control import composer, mjcf
 from numpy.typing import NDArray
 
 from sheath_manip.types import (
@@ -55,7 +56,11 @@ class SheathTask(composer.Task):
     def recall(self, memory: NDArray[np.float64]) -> None:
         """Take over a `memory()`."""
 
-    def should_terminate_episode(self, physics) -> bool:  # noqa: ARG002
+    # The library's own type says that it always returns False.
+    def should_terminate_episode(  # pyright: ignore[reportIncompatibleMethodOverride]
+        self,
+        physics,  # noqa: ARG002
+    ) -> bool:
         """End once the outcome is decided."""
         return self.outcome() is not Outcome.TIME_LIMIT
 
@@ -83,9 +88,9 @@ class ComposerEnvironment:
         return self.task.spec
 
     @property
-    def physics(self):
+    def physics(self) -> mjcf.Physics:
         """The composer physics, for experts."""
-        return self._environment.physics
+        return cast(mjcf.Physics, self._environment.physics)
 
     def reset(self, seed: int) -> Observation:
         """Start the episode that belongs to `seed` (0 .. 2**32 - 1)."""
@@ -127,6 +132,8 @@ class ComposerEnvironment:
         self._steps = int(state[0])
         mujoco.mj_setState(model, data, simulator, _STATE)
         self.task.recall(state[1 : len(state) - len(simulator)])
+        # After an episode's end composer would take the next step for the start of another one.
+        self._environment._reset_next_step = False
         self.physics.forward()
         return self.observe()
 

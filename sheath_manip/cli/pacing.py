@@ -2,6 +2,7 @@
 
 import time
 
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
@@ -16,6 +17,9 @@ class Pacing:
             raise ParameterError(f"speed is {speed}; wanted more than 0, such as 1")
         self.speed = speed
         self._due_s = 0.0
+
+    def on_fit(self, states: Samples) -> None:
+        """A fit takes its time, and nothing of it is kept here."""
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """The first step is due now."""

@@ -15,6 +15,7 @@ from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.page import Moment, Page
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.tally import HISTORY_STEPS, Tally
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Actor, Episode, EpisodeInfo, SceneGeom, Step, TaskSpec
@@ -75,6 +76,11 @@ class Dashboard:
         with self._lock:
             self._training = points
         self._drawer.wake()
+
+    def on_fit(self, states: Samples) -> None:
+        """Show where policy and support were fitted, on tasks with a plane."""
+        if self._plane:
+            self.show_training(states.features[:, self._plane])
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene."""

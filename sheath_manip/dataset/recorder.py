@@ -1,6 +1,8 @@
 """A listener that puts each finished episode into a store."""
 
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.dataset.store import EpisodeStore
+
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
 
@@ -10,6 +12,9 @@ class Recorder:
 
     def __init__(self, store: EpisodeStore) -> None:
         self.store = store
+
+    def on_fit(self, states: Samples) -> None:
+        """Checkpoints are not kept in the store."""
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Nothing is written before an episode is complete."""

@@ -45,10 +45,15 @@ def samples_from(episodes: Iterable[Episode]) -> Samples:
         if step.labelled is not None
     ]
     if not steps:
-        raise ParameterError("no labelled state to train on; record episodes whose gate asks for labels")
+        raise ParameterError(
+            "no labelled state to train on; record episodes whose gate asks for labels"
+        )
     cameras = steps[0][1].observation.images
     return Samples(
-        {camera: np.stack([step.observation.images[camera] for _, step in steps]) for camera in cameras},
+        {
+            camera: np.stack([step.observation.images[camera] for _, step in steps])
+            for camera in cameras
+        },
         np.stack([step.observation.features for _, step in steps]).astype(np.float32),
         np.stack([step.labelled for _, step in steps if step.labelled is not None]),
         np.array([number for number, _ in steps], dtype=np.int64),
@@ -59,8 +64,13 @@ def joined(parts: Sequence[Samples]) -> Samples:
     """One batch of all `parts`, their episodes numbered apart."""
     offsets = np.cumsum([0, *(int(part.episodes.max()) + 1 for part in parts)])
     return Samples(
-        {camera: np.concatenate([part.images[camera] for part in parts]) for camera in parts[0].images},
+        {
+            camera: np.concatenate([part.images[camera] for part in parts])
+            for camera in parts[0].images
+        },
         np.concatenate([part.features for part in parts]),
         np.concatenate([part.labels for part in parts]),
-        np.concatenate([part.episodes + offset for part, offset in zip(parts, offsets, strict=False)]),
+        np.concatenate(
+            [part.episodes + offset for part, offset in zip(parts, offsets, strict=False)]
+        ),
     )

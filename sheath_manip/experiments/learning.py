@@ -1,7 +1,8 @@
-"""One experiment: every method from every training seed, side by side, resumable, with its figures."""
+"""One experiment: every method from every training seed, side by side, resumable, with figures."""
 
 import json
 import multiprocessing
+import os
 import queue
 import threading
 import time
@@ -138,7 +139,7 @@ class Stopwatch:
 
 
 def _next_jobs(done: Job) -> list[Job]:
-    """What can start once `done` is: the methods of a seed, then those that follow another's share."""
+    """What can start after `done`: a seed's methods, then those that follow another's share."""
     plan = done.plan
     methods = [method_named(name) for name in plan.methods]
     wanted = None if done.method == PREPARE else done.method
@@ -162,6 +163,15 @@ _reports: Any = None
 def _start_worker(reports: Any) -> None:
     global _reports
     _reports = reports
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A worker that outlived a killed experiment would write beside the one that resumes it."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _run_job(job: Job) -> Job:

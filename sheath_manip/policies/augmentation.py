@@ -4,9 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def shifted(
-    images: NDArray[np.uint8], most_px: int, rng: np.random.Generator
-) -> NDArray[np.uint8]:
+def shifted(images: NDArray[np.uint8], most_px: int, rng: np.random.Generator) -> NDArray[np.uint8]:
     """(n, h, w, 3) images, each moved by up to `most_px` pixels in both directions.
 
     Random shifts are the augmentation that pays most for image policies (Kostrikov et al. 2021,

@@ -37,7 +37,7 @@ class ConvPolicy:
         channels: Sequence[int] = (16, 32, 32),
         hidden: Sequence[int] = (128, 64),
         epochs: int = 40,
-        warm_steps: int = 300,
+        warm_steps: int = 200,
         learning_rate: float = 1e-3,
         batch_size: int = 128,
         weight_decay: float = 1e-4,
@@ -59,8 +59,8 @@ class ConvPolicy:
             weight_decay: decoupled (AdamW).
             class_balance: a class weighs as its frequency to the minus this; at 0 each sample
                 counts alike, at 1 each class.
-            shift_px: most pixels by which an image is moved at random in training. On driving two of
-                them (0.4 m) leave two thirds of the costly mistakes that none leave.
+            shift_px: most pixels by which an image is moved at random in training. On driving two
+                of them (0.4 m) leave two thirds of the costly mistakes that none leave.
             seed: of the initial weights and of the order of the batches.
         """
         self.spec = spec

@@ -39,7 +39,7 @@ class DrivingExpert:
         return self._search.best_first_action(self._cost)
 
     def regrets(self) -> NDArray[np.float64]:
-        """(3,) for each steering choice, how much dearer its best sequence is than the best of all."""
+        """(3,) for each steering choice, how much dearer its best sequence is than the best."""
         costs = self._search.costs_of_first_actions(self._cost)
         return costs - costs.min()
 

@@ -4,6 +4,7 @@ from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -34,7 +35,7 @@ class Scenario:
 
     laps: float = 1.0
     """after which an episode has succeeded"""
-    cars: int = 7
+    cars: int = 13
     """besides one's own"""
     render_px: int = 250
     pyramid_levels: int = 1
@@ -42,6 +43,8 @@ class Scenario:
 
 class CarFrame(composer.Entity):
     """One car; the hull is the only geom that touches anything."""
+
+    _mjcf_root: Any  # mjcf makes its attributes from MuJoCo's schema at run time
 
     def _build(self, name: str, rgba: tuple[float, float, float, float] | None = None) -> None:
         self._mjcf_root = mjcf.from_path(str(ASSETS / "car.xml"))
@@ -57,6 +60,8 @@ class CarFrame(composer.Entity):
 
 class DrivingArena(composer.Arena):
     """The ground, with the whole track baked into one texture."""
+
+    _mjcf_root: Any
 
     def _build(self, track: Track, name: str = "driving") -> None:
         self._mjcf_root = mjcf.from_path(str(ASSETS / "arena.xml"))
@@ -129,7 +134,8 @@ class DrivingTask(SheathTask):
 
     def _add_cameras(self) -> None:
         # Above the car and turned with it: image up is the car's forward.
-        self._car.mjcf_model.worldbody.add(
+        worldbody: Any = self._car.mjcf_model.worldbody
+        worldbody.add(
             "camera",
             name="overhead",
             pos=[0, 0, 30],
@@ -184,7 +190,7 @@ class DrivingTask(SheathTask):
         free_m, apart_m = 12.0, 5.0
         slack = lap - 2 * free_m - apart_m * (cars - 1)
         offsets = free_m + np.sort(random_state.uniform(0, slack, cars)) + apart_m * np.arange(cars)
-        lateral = random_state.uniform(-2.6, 2.6, cars)
+        lateral = random_state.uniform(-3.0, 3.0, cars)
         self.set_traffic(physics, np.stack([start_s + offsets, lateral], 1))
         pose = self.track.pose(start_s, random_state.uniform(-1.5, 1.5))
         pose[2] += random_state.uniform(-0.1, 0.1)

@@ -26,7 +26,7 @@ class Track:
     """of the centre line's rectangle along y"""
     corner_radius: float = 10.0
     road_half_width: float = 4.5
-    margin: float = 16.0
+    margin: float = 24.0
     """of grass around the centre line's rectangle, so that no camera looks over the edge"""
 
     @property
@@ -58,8 +58,13 @@ class Track:
         radius = self.corner_radius
         corners = np.array([[run_x, -run_y], [run_x, run_y], [-run_x, run_y], [-run_x, -run_y]])
         start_points = np.array(
-            [[0, -run_y - radius], [run_x + radius, -run_y], [run_x, run_y + radius]]
-            + [[-run_x - radius, run_y], [-run_x, -run_y - radius]]
+            [
+                [0, -run_y - radius],
+                [run_x + radius, -run_y],
+                [run_x, run_y + radius],
+                [-run_x - radius, run_y],
+                [-run_x, -run_y - radius],
+            ]
         )
         straight = piece % 2 == 0
         base = (piece // 2) * np.pi / 2

@@ -17,8 +17,7 @@ def run(*argv: object) -> int:
     try:
         return run_command(lambda: {"corridor": CORRIDOR}, [str(word) for word in argv])
     except SystemExit as end:
-        assert isinstance(end.code, int)
-        return end.code
+        return end.code if isinstance(end.code, int) else 1
 
 
 @pytest.fixture

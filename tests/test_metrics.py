@@ -1,0 +1,137 @@
+import math
+
+import numpy as np
+import pytest
+
+from sheath_manip.metrics import (
+    EpisodeRecord,
+    expert_share,
+    figures_of,
+    mean_interval,
+    rate_interval,
+    record_of,
+)
+from sheath_manip.types import (
+    Actor,
+    Episode,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Outcome,
+    Purpose,
+    Reason,
+    Step,
+)
+
+
+def episode_of(actors: str, labelled: str = "", policy: bool = True) -> Episode:
+    """By step: e or p; labels where there is an x, by default where the expert acts."""
+    labelled = labelled or actors.replace("e", "x")
+    seen = Observation({}, np.zeros(1, np.float32), 0.0)
+    action = np.zeros(1, np.float32)
+    steps = [
+        Step(
+            seen,
+            np.zeros(1),
+            action if policy else None,
+            action if label == "x" else None,
+            GateDecision(Actor.EXPERT if who == "e" else Actor.POLICY, False, Reason.FIXED),
+            action,
+            0.0,
+        )
+        for who, label in zip(actors, labelled, strict=True)
+    ]
+    info = EpisodeInfo("toy", 7, Purpose.LEARNING, 10.0)
+    return Episode(
+        info, tuple(steps), seen, np.zeros(1), True, False, Outcome.FAILURE, {"laps": 0.5}
+    )
+
+
+def record(outcome: Outcome, laps: float, steps: int = 10, expert: int = 0) -> EpisodeRecord:
+    return EpisodeRecord(0, outcome, {"laps": laps}, steps, expert, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("actors", "expert_steps", "switches", "interventions"),
+    [
+        ("pppp", 0, 0, 0),
+        ("eeee", 4, 0, 1),
+        ("ppee", 2, 1, 1),
+        ("eepp", 2, 1, 1),
+        ("peppe", 2, 3, 2),
+        ("epepe", 3, 4, 3),
+        ("e", 1, 0, 1),
+    ],
+)
+def test_switches_and_interventions(actors, expert_steps, switches, interventions):
+    counted = record_of(episode_of(actors))
+    assert counted.steps == len(actors)
+    assert counted.expert_steps == expert_steps
+    assert counted.queries == expert_steps
+    assert counted.switches == switches
+    assert counted.interventions == interventions
+
+
+def test_queries_are_labels_whoever_acts():
+    assert record_of(episode_of("pepp", "xx.x")).queries == 3
+
+
+def test_a_demonstration_holds_no_intervention():
+    counted = record_of(episode_of("eeee", policy=False))
+    assert (counted.expert_steps, counted.interventions) == (4, 0)
+
+
+def test_a_record_keeps_scene_outcome_and_metrics():
+    counted = record_of(episode_of("pp"))
+    assert (counted.seed, counted.outcome, counted.metrics) == (7, Outcome.FAILURE, {"laps": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("hits", "count", "low", "high"),
+    [
+        # Wilson 1927 by hand: (p + z²/2n ± z sqrt(p(1-p)/n + z²/4n²)) / (1 + z²/n), z = 1.959964.
+        (0, 10, 0.0, 0.27753),
+        (1, 10, 0.01788, 0.40415),
+        (5, 10, 0.23659, 0.76341),
+        (10, 10, 0.72247, 1.0),
+        (81, 263, 0.25527, 0.36617),
+        (0, 0, 0.0, 1.0),
+    ],
+)
+def test_wilsons_interval(hits, count, low, high):
+    assert rate_interval(hits, count) == pytest.approx((low, high), abs=1e-5)
+
+
+def test_students_interval():
+    # t(0.975, 4) = 2.776445, standard deviation of 1..5 = 1.581139.
+    half = 2.776445 * 1.581139 / math.sqrt(5)
+    assert mean_interval(np.arange(1.0, 6.0)) == pytest.approx((3 - half, 3 + half), abs=1e-5)
+    assert mean_interval(np.array([2.0])) == (2.0, 2.0)
+    assert mean_interval(np.array([2.0, 2.0, 2.0])) == (2.0, 2.0)
+
+
+def test_rates_and_means_of_a_set():
+    outcomes = [Outcome.FAILURE, Outcome.SUCCESS, Outcome.SUCCESS, Outcome.TIME_LIMIT]
+    laps = [0.1, 1.0, 1.0, 0.5]
+    figures = figures_of([record(*pair) for pair in zip(outcomes, laps, strict=True)])
+    assert (figures.episodes, figures.failure_rate, figures.success_rate) == (4, 0.25, 0.5)
+    assert figures.metric == {"laps": pytest.approx(0.65)}
+    assert figures.ci95["failure_rate"] == rate_interval(1, 4)
+    low, high = figures.ci95["laps"]
+    assert low < 0.65 < high
+
+
+def test_nothing_says_nothing():
+    figures = figures_of([])
+    assert figures.episodes == 0
+    assert math.isnan(figures.failure_rate)
+    assert figures.ci95["failure_rate"] == (0.0, 1.0)
+    assert math.isnan(expert_share([]))
+
+
+def test_the_experts_share_is_of_steps_and_not_of_episodes():
+    records = [
+        record(Outcome.SUCCESS, 1.0, steps=90, expert=0),
+        record(Outcome.FAILURE, 0.1, steps=10, expert=10),
+    ]
+    assert expert_share(records) == pytest.approx(0.1)
