@@ -89,12 +89,13 @@ def test_a_record_keeps_scene_outcome_and_metrics():
 @pytest.mark.parametrize(
     ("hits", "count", "low", "high"),
     [
-        # Wilson 1927 by hand: (p + z²/2n ± z sqrt(p(1-p)/n + z²/4n²)) / (1 + z²/n), z = 1.959964.
+        # (p + z²/2n ± z sqrt(p(1-p)/n + z²/4n²)) / (1 + z²/n), z = 1.959964; 81 of 263 is the
+        # example of Newcombe 1998, table I: .2553 to .3662.
         (0, 10, 0.0, 0.27753),
         (1, 10, 0.01788, 0.40415),
         (5, 10, 0.23659, 0.76341),
         (10, 10, 0.72247, 1.0),
-        (81, 263, 0.25527, 0.36617),
+        (81, 263, 0.25529, 0.36621),
         (0, 0, 0.0, 1.0),
     ],
 )

@@ -41,8 +41,8 @@ def test_tuning_scenes_are_not_the_held_out_ones():
 
 def test_depends_on_nothing_but_the_keys():
     # Pinned: a published run can be repeated only while these stay.
-    assert seed_for("policy", 0) == 787041387
-    assert scene_seed(Purpose.EVALUATION, "held-out", 0) == 3988346206
+    assert seed_for("policy", 0) == 140843776
+    assert scene_seed(Purpose.EVALUATION, "held-out", 0) == 4243255701
     np.testing.assert_array_equal(
         generator("gate", "sheath", 0, 1).random(5), generator("gate", "sheath", 0, 1).random(5)
     )

@@ -37,6 +37,7 @@ class ConvPolicy:
         channels: Sequence[int] = (16, 32, 32),
         hidden: Sequence[int] = (128, 64),
         epochs: int = 40,
+        warm_epochs: int = 15,
         warm_steps: int = 200,
         learning_rate: float = 1e-3,
         batch_size: int = 128,
@@ -67,6 +68,7 @@ class ConvPolicy:
         self.channels = tuple(channels)
         self.hidden = tuple(hidden)
         self.epochs = epochs
+        self.warm_epochs = warm_epochs
         self.warm_steps = warm_steps
         self.learning_rate = learning_rate
         self.batch_size = batch_size
@@ -87,11 +89,12 @@ class ConvPolicy:
             raise ParameterError(
                 "no samples to fit a policy to; at least one labelled state is needed"
             )
-        steps = self.epochs * -(-len(samples) // self.batch_size)
+        batches = -(-len(samples) // self.batch_size)
+        steps = self.epochs * batches
         if self.network_ is None:
             self.network_ = self._fresh_network()
         else:
-            steps = min(steps, self.warm_steps)
+            steps = min(self.warm_epochs * batches, self.warm_steps)
         # Each refit draws its own order of batches.
         rng = np.random.default_rng([self.seed, self.fits_])
         self._train(self.network_, samples, steps, rng)

@@ -46,8 +46,8 @@ DRIVING = TaskEntry(
         "quick": LearningPlan(
             methods=("dagger", "sheath"),
             seeds=(0,),
-            demonstrations=5,
-            calibration=5,
+            demonstrations=6,
+            calibration=4,
             check=3,
             rounds=2,
             episodes=4,
