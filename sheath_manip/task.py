@@ -1,9 +1,10 @@
 """What a task offers to the framework: one entry of the written-out table TASKS."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from sheath_manip.claims import Claim
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Environment, Expert
@@ -23,6 +24,8 @@ class TaskEntry:
     """`full` and `quick`"""
     figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
     """figures of this task alone, by name"""
+    claims: Sequence[Claim] = ()
+    """what is claimed of its experiment's results"""
 
     def make(self, variant: str = "default") -> Environment:
         """A new environment; raises UnknownNameError."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Union
 
 import tyro
 
+from sheath_manip.cli.claims import Claims
 from sheath_manip.cli.collect import Collect
 from sheath_manip.cli.data import Data
 from sheath_manip.cli.evaluate import Evaluate
@@ -36,6 +37,7 @@ OF_A_STORE: dict[str, type[Verb]] = {
 }
 OF_THE_MACHINE: dict[str, type[Verb]] = {
     "tasks": Tables,
+    "claims": Claims,
     "doctor": Doctor,
 }
 

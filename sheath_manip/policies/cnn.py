@@ -53,8 +53,9 @@ class ConvPolicy:
             channels: filters of each convolution layer.
             hidden: width of each fully connected hidden layer.
             epochs: passes over the samples in a cold fit.
-            warm_steps: most gradient steps of a warm refit (never more than `epochs` passes), so
-                that a refit costs the same however much data has been aggregated.
+            warm_epochs: passes over the samples in a warm refit, at most.
+            warm_steps: gradient steps of a warm refit, at most, so that a refit costs the same
+                however much data has been aggregated.
             learning_rate: of Adam at its peak; it falls linearly to 0 within each fit.
             batch_size: images a gradient step.
             weight_decay: decoupled (AdamW).

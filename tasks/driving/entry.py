@@ -6,6 +6,7 @@ from typing import Any
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.claims import CLAIMS
 from tasks.driving.expert import DrivingExpert
 from tasks.driving.task import DrivingTask, Scenario
 
@@ -56,4 +57,5 @@ DRIVING = TaskEntry(
         ),
     },
     figures={"support.png": support_figure, "gate_map.png": gate_map_figure},
+    claims=CLAIMS,
 )

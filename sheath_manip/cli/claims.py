@@ -1,0 +1,20 @@
+"""`sheath claims`: whether the numbers in results/ are what was promised."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from sheath_manip.claims import print_claims, verdicts
+from sheath_manip.cli.session import Session
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claims:
+    """Hold every committed result against what is claimed of it."""
+
+    results: Path = Path("results")
+    """directory of the experiments' results"""
+
+    def run(self, session: Session) -> int:
+        """Print one line a claim; 1 where one does not hold."""
+        claims = {name: task.claims for name, task in session.tasks().items()}
+        return print_claims(verdicts(self.results, claims), session.out)
