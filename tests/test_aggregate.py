@@ -99,7 +99,7 @@ def same(directory: Path, whole: Path) -> bool:
 def test_every_round_leaves_its_checkpoint_and_its_result(whole):
     runs = whole / "s0"
     assert sorted(path.name for path in runs.iterdir()) == ["expert", *sorted(METHODS)]
-    assert sorted(path.name for path in (runs / "expert").iterdir()) == FILES[:0] + [
+    assert sorted(path.name for path in (runs / "expert").iterdir()) == [
         "round-00.json",
         "round-00.npz",
     ]
@@ -136,9 +136,7 @@ def test_the_policy_that_drove_is_the_one_fitted_the_round_before(whole):
 
 def test_sheath_hands_over_and_random_takeover_gets_its_share(whole):
     store = EpisodeStore(whole / "store")
-    actors = {
-        step.decision.actor for e in store.episodes(method="sheath") for step in e.steps
-    }
+    actors = {step.decision.actor for e in store.episodes(method="sheath") for step in e.steps}
     assert actors == set(Actor)
     for sheath, random in zip(*(round_results(whole, 0, name) for name in METHODS), strict=True):
         share = expert_share(sheath.executed)
@@ -234,6 +232,10 @@ class Interrupter:
 
     def __init__(self) -> None:
         self.seen: set[str] = set()
+        self.fitted: list[int] = []
+
+    def on_fit(self, states) -> None:
+        self.fitted.append(len(states))
 
     def on_start(self, environment, info) -> None:
         pass
@@ -256,8 +258,18 @@ def test_an_episode_that_was_cut_short_is_run_again(whole, tmp_path):
         except StoppedError:
             continue
         break
-    assert len(listener.seen) > 8
+    # Episodes that ended before the fifth step are not among them.
+    assert len(listener.seen) >= 8
     assert same(tmp_path, whole)
+
+
+def test_listeners_hear_of_every_fit(whole, tmp_path):
+    shutil.copytree(whole, tmp_path / "run")
+    (tmp_path / "run" / "s0" / "sheath" / "round-02.json").unlink()
+    listener = Interrupter()
+    results = learner(tmp_path / "run", listeners=(listener,)).run("sheath")
+    assert listener.fitted == [result.states for result in results]
+    assert same(tmp_path / "run", whole)
 
 
 @pytest.mark.slow

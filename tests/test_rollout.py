@@ -50,6 +50,9 @@ class Diary:
         self.book = book
         self.steps = []
 
+    def on_fit(self, states) -> None:
+        raise AssertionError("a rollout fits nothing")
+
     def on_start(self, environment, info) -> None:
         assert environment.outcome() is Outcome.TIME_LIMIT
         assert info.seed == SEED

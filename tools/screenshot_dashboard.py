@@ -179,6 +179,8 @@ def photograph(page: Page, address: str, pose: Pose, run: Future[None]) -> bytes
     page.wait_for_selector("canvas")
     page.get_by_text("Expert acts").wait_for()
     page.wait_for_selector(".u-over")
+    # A notice that only a browser without a graphics card gives.
+    page.get_by_role("alert").get_by_role("button").click()
     # Support picture and camera image; then a moment for the 3-D scene to be drawn.
     page.wait_for_function("document.querySelectorAll('img[src^=\"blob:\"]').length >= 2")
     page.wait_for_timeout(5000)
@@ -211,7 +213,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             png = photograph(page, dashboard.address, pose, run)
         finally:
             pose.taken.set()
-    image = Image.open(io.BytesIO(png)).convert("RGB")
+    # 256 colours are enough for what is drawn, and a third of the size.
+    image = Image.open(io.BytesIO(png)).convert("RGB").quantize(256, dither=Image.Dither.NONE)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     image.save(options.out, optimize=True)
     print(f"{options.out}: {image.width}x{image.height}, {options.out.stat().st_size / 1e3:.0f} kB")

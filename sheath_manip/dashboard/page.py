@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sheath_manip.dashboard.panel import Panel
 from sheath_manip.dashboard.scene import SceneView
 from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
-from sheath_manip.dashboard.tally import Figures
+from sheath_manip.dashboard.tally import Figures, Scored
 from sheath_manip.support.plane import PlaneLevels, plane_levels
 from sheath_manip.types import Actor, SceneGeom, TaskSpec
 
@@ -24,8 +24,8 @@ class Moment:
     body_poses: NDArray[np.float64]
     """(b, 7)"""
     figures: Figures
-    scores: tuple[tuple[float, float, float], ...]
-    """time (s), score and threshold of the latest steps"""
+    scores: tuple[Scored, ...]
+    """of the latest steps"""
     trail: tuple[tuple[float, float, Actor], ...]
     """x and y (metres, in `TaskSpec.plane`) and who acted, of the latest steps"""
     images: Mapping[str, NDArray[np.uint8]]

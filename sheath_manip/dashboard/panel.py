@@ -8,18 +8,21 @@ import viser
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard import palette
-from sheath_manip.dashboard.tally import HISTORY_STEPS, Figures, Share
+from sheath_manip.dashboard.tally import HISTORY_STEPS, Figures, Scored, Share
 from sheath_manip.support.plane import NUS
 from sheath_manip.types import Actor, GateDecision, Outcome, TaskSpec
 
-SCORE_PLOT_ASPECT = 2.8
-MIN_CAMERA_WIDTH_PX = 320
+SCORE_PLOT_HEIGHT_PX = 140
+PLOT_FONT = "12px sans-serif"
+PLOT_AXIS: viser.uplot.Axis = {
+    "font": PLOT_FONT,
+    "labelFont": PLOT_FONT,
+    "stroke": palette.css(palette.GREY),
+    "ticks": {"show": False},
+}
+CAMERA_WIDTH_PX = 240
+CAMERA_MARGIN_PX = 15
 NO_PLANE = "This task has no natural plane to draw its support in."
-SUPPORT_LEGEND = (
-    "white: training states · yellow: boundaries at ν = "
-    + ", ".join(map(str, NUS))
-    + " · trail: who acted"
-)
 NO_TRAINING = "The support appears here with the first training states."
 
 
@@ -42,35 +45,55 @@ class Panel:
         async def _(_: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
             self.show_paused(on_pause())
 
-        window_s = HISTORY_STEPS / spec.control_rate_hz
-        gui.add_html(_caption(f"Support score and threshold (dashed), last {window_s:.0f} s"))
+        window_s = min(HISTORY_STEPS, spec.max_steps) / spec.control_rate_hz
+        gui.add_html(_caption("Support score", "threshold dashed, expert's turns shaded"))
         self._no_score = gui.add_html(_note("This gate computes no score."))
         self._scores = gui.add_uplot(
-            (np.zeros(1), np.zeros(1), np.zeros(1)),
+            (np.zeros(1),) * 4,
             (
                 {"label": "seconds from now"},
                 {"label": "score", "stroke": palette.css(palette.INK), "width": 2},
                 {
                     "label": "threshold",
-                    "stroke": palette.css(palette.ACTOR[Actor.EXPERT]),
+                    "stroke": palette.css(palette.GREY),
                     "width": 1.5,
                     "dash": (6, 4),
                 },
+                {
+                    "label": "expert acts",
+                    "scale": "expert",
+                    "fill": palette.css(palette.ACTOR[Actor.EXPERT]) + "50",
+                    "width": 0,
+                    "points": {"show": False},
+                },
             ),
-            # A range that stands still; one that follows the data viser's page now and then loses.
-            scales={"x": {"time": False, "range": (-window_s, 0.0)}},
+            # Ranges that stand still; one that follows the data viser's page now and then loses.
+            scales={
+                "x": {"time": False, "range": (-window_s, 0.0)},
+                "expert": {"range": (0.0, 1.0)},
+            },
+            axes=(
+                {**PLOT_AXIS, "size": 28, "label": "seconds from now", "labelSize": 18},
+                {**PLOT_AXIS, "size": 44},
+            ),
             legend={"show": False},
-            aspect=SCORE_PLOT_ASPECT,
+            height=SCORE_PLOT_HEIGHT_PX,
             visible=False,
         )
-        gui.add_html(_caption(_support_caption(spec)))
+        gui.add_html(_caption("Support", _plane(spec)))
         blank = np.zeros((1, 1, 3), np.uint8)
         self._support = gui.add_image(blank, jpeg_quality=85, visible=False)
         self._support_note = gui.add_html(_note(NO_TRAINING if spec.plane else NO_PLANE))
-        self._cameras = {
-            name: gui.add_image(blank, label=name, jpeg_quality=85, visible=False)
-            for name in spec.cameras
-        }
+        self._cameras: dict[str, viser.GuiImageHandle] = {}
+        if spec.cameras:
+            window = gui.add_panel()
+            with window.add_tab("What the policy sees"):
+                for name in spec.cameras:
+                    label = name if len(spec.cameras) > 1 else None
+                    self._cameras[name] = gui.add_image(
+                        blank, label=label, jpeg_quality=85, visible=False
+                    )
+            window.float(x=CAMERA_MARGIN_PX, y=CAMERA_MARGIN_PX, width=CAMERA_WIDTH_PX)
 
     def show_figures(self, figures: Figures) -> None:
         """Show who acts, in which episode, and the counts so far."""
@@ -78,9 +101,9 @@ class Panel:
         self._facts.content = _facts(figures, self._spec)
         self._counts.content = _counts(figures)
 
-    def show_scores(self, scores: Sequence[tuple[float, float, float]]) -> None:
-        """Plot time (s), score and threshold of the latest steps."""
-        columns = np.asarray(scores, dtype=np.float64).reshape(-1, 3).T
+    def show_scores(self, scores: Sequence[Scored]) -> None:
+        """Plot the latest steps."""
+        columns = np.asarray(scores, dtype=np.float64).reshape(-1, len(Scored._fields)).T
         scored = bool(np.isfinite(columns[1]).any())
         self._scores.visible, self._no_score.visible = scored, not scored
         if scored:
@@ -91,7 +114,7 @@ class Panel:
         """Show the (h, w, 3) RGB support picture, of a policy that is `trained` or not yet."""
         self._support.image = picture
         self._support.visible = True
-        self._support_note.content = _note(SUPPORT_LEGEND if trained else NO_TRAINING)
+        self._support_note.content = _support_legend() if trained else _note(NO_TRAINING)
 
     def show_cameras(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
         """Show the (h, w, 3) RGB images by camera."""
@@ -118,7 +141,7 @@ class Panel:
 
 def _enlarged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """A policy's small image with every pixel repeated: the page shows images as they are."""
-    times = max(MIN_CAMERA_WIDTH_PX // image.shape[1], 1)
+    times = -(-CAMERA_WIDTH_PX // image.shape[1])
     return image.repeat(times, 0).repeat(times, 1)
 
 
@@ -145,20 +168,12 @@ def _banner(decision: GateDecision | None, outcome: Outcome | None) -> str:
 
 def _facts(figures: Figures, spec: TaskSpec) -> str:
     info = figures.info
-    pairs = [
-        ("task", info.task),
-        ("method", info.method or "–"),
-        ("purpose", info.purpose.value),
-        ("round", str(info.round)),
-        ("episode", f"{info.index} (seed {info.seed})"),
-        ("step", f"{figures.episode.steps} of {spec.max_steps}"),
-    ]
-    cells = "".join(
-        f'<span style="opacity:.6">{name}</span><span>{escape(value)}</span>'
-        for name, value in pairs
+    where = (info.method, info.purpose.value, f"round {info.round}", f"episode {info.index}")
+    now = f"step {figures.episode.steps} of {spec.max_steps}"
+    return (
+        f'<div style="{_TEXT}">{escape(" · ".join(filter(None, where)))}<br>{now}'
+        f'<span style="opacity:.6"> · scene {info.seed}</span></div>'
     )
-    columns = "grid-template-columns:auto 1fr auto 1fr"
-    return f'<div style="{_TEXT};display:grid;{columns};gap:0.15em 0.8em">{cells}</div>'
 
 
 def _counts(figures: Figures) -> str:
@@ -187,14 +202,30 @@ def _counts(figures: Figures) -> str:
 _TEXT = "margin:0.4em 1.1em;font-size:0.85em;font-variant-numeric:tabular-nums"
 
 
-def _support_caption(spec: TaskSpec) -> str:
+def _plane(spec: TaskSpec) -> str:
+    """The plane's features without the unit that ends their names."""
     if spec.plane is None:
-        return "Support"
-    return f"Support over {spec.plane[0]} and {spec.plane[1]}"
+        return ""
+    x, y = (name.removesuffix("_m") for name in spec.plane)
+    return f"over {x} and {y} (m)"
 
 
-def _caption(text: str) -> str:
-    return f'<div style="{_TEXT};margin-bottom:0;font-weight:600">{escape(text)}</div>'
+def _support_legend() -> str:
+    nus = ", ".join(map(str, NUS))
+    trail = " and ".join(
+        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>' for actor in Actor
+    )
+    return (
+        f'<div style="{_TEXT}">trail of {trail} <span style="opacity:.6">· dots: training states · '
+        f"yellow: support at ν = {nus}</span></div>"
+    )
+
+
+def _caption(text: str, detail: str) -> str:
+    return (
+        f'<div style="{_TEXT};margin-bottom:0"><b>{escape(text)}</b> '
+        f'<span style="opacity:.6">{escape(detail)}</span></div>'
+    )
 
 
 def _note(text: str) -> str:

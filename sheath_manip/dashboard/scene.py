@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import fields
+from itertools import product
 
 import numpy as np
 import viser
@@ -13,6 +14,10 @@ from sheath_manip.types import SceneGeom
 # viser draws row 0 of an image at -y and turns its face to -z; this is half a turn about x.
 IMAGE_TURN_WXYZ = np.array([0.0, 1.0, 0.0, 0.0])
 CAPSULE_SEGMENTS = 24
+FIELD_OF_VIEW_RAD = np.deg2rad(45.0)
+# Down at the scene from its -y side.
+VIEW_DIRECTION = np.array([0.0, np.cos(np.deg2rad(60.0)), -np.sin(np.deg2rad(60.0))])
+VIEW_MARGIN = 1.1
 
 
 class SceneView:
@@ -64,19 +69,30 @@ class SceneView:
     def _aim_camera(self, body_poses: NDArray[np.float64]) -> None:
         if not self._geoms:
             return
-        centres = np.array(
-            [body_poses[geom.body, :3] + geom.position_in_body for geom in self._geoms]
-        )
-        reach = np.array([[_reach(geom)] for geom in self._geoms])
+        # A picture is the ground that things stand on, often much larger than what happens there.
+        shown = [geom for geom in self._geoms if geom.shape != "picture"] or self._geoms
+        centres = np.array([body_poses[geom.body, :3] + geom.position_in_body for geom in shown])
+        reach = np.array([[_reach(geom)] for geom in shown])
         low, high = (centres - reach).min(0), (centres + reach).max(0)
-        look_at, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+        look_at = (low + high) / 2
+        distance = VIEW_MARGIN * _distance_to_see(low - look_at, high - look_at)
         camera = self._server.initial_camera
-        camera.look_at = look_at
-        camera.position = look_at + radius * np.array([0.0, -0.85, 0.75])
-        camera.far = max(1000.0, 10 * radius)
-        for client in self._server.get_clients().values():
-            client.camera.look_at = camera.look_at
-            client.camera.position = camera.position
+        camera.far = max(1000.0, 10 * distance)
+        for each in (camera, *(client.camera for client in self._server.get_clients().values())):
+            each.fov = FIELD_OF_VIEW_RAD
+            each.look_at = look_at
+            each.position = look_at - distance * VIEW_DIRECTION
+
+
+def _distance_to_see(low: NDArray[np.float64], high: NDArray[np.float64]) -> float:
+    """How far back from the origin a camera along VIEW_DIRECTION sees the whole box."""
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    right = np.cross(VIEW_DIRECTION, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    across, up = corners @ right, corners @ np.cross(right, VIEW_DIRECTION)
+    # In a window that is higher than wide the sides are cut off.
+    wanted = np.maximum(np.abs(across), np.abs(up)) / np.tan(FIELD_OF_VIEW_RAD / 2)
+    return float((wanted - corners @ VIEW_DIRECTION).max())
 
 
 def _same_scene(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
@@ -119,7 +135,7 @@ def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
             node.side = "double"
         case "picture" if geom.picture is not None:
             node = scene.add_image(name, geom.picture, 2 * a, 2 * b, jpeg_quality=85)
-            wxyz = _product(wxyz, IMAGE_TURN_WXYZ)
+            wxyz = _turned(wxyz, IMAGE_TURN_WXYZ)
         case "mesh" | "picture":
             raise ParameterError(
                 f"a {geom.shape} came without arrays; "
@@ -134,7 +150,7 @@ def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
     node.wxyz = wxyz
 
 
-def _product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
     """The quaternion that turns by `right` first and by `left` then, wxyz."""
     w, v = left[0], left[1:]
     return np.concatenate(

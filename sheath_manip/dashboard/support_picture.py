@@ -14,7 +14,11 @@ from sheath_manip.types import Actor, SceneGeom
 WIDTH_PX = 480
 MAX_HEIGHT_PX = 480
 # Of the longer side of the training positions' extent, so that leaving it can be seen.
-MARGIN = 0.15
+MARGIN = 0.1
+# Thousands of training states must not hide what lies below them.
+DOT_OPACITY = 0.3
+TINT_OPACITY = 0.12
+OUTLINE_OPACITY = 0.7
 # OpenCV places antialiased shapes to 1/16 pixel with this shift.
 SUBPIXEL_BITS = 4
 
@@ -74,6 +78,7 @@ class SupportPicture:
         if not len(track.positions):
             return picture
         points = self._to_pixels(track.positions)
+        _polyline(picture, points, (255, 255, 255), 4)
         for colour, run in _runs(track, points):
             _polyline(picture, run, colour, 2)
         # A position beyond the picture is shown on its edge.
@@ -91,12 +96,13 @@ class SupportPicture:
                 ground.pixels, ground.centre_m, ground.half_extent_m, cv2.INTER_AREA
             )
             still = (0.45 * still + 0.55 * np.array(palette.INK)).astype(np.uint8)
-        for point in self._to_pixels(training):
-            _disc(still, point, 1, (255, 255, 255))
         if levels is not None:
             for nu in sorted(levels.scores):
                 self._draw_level(still, levels, nu)
-        return still
+        dotted = still.copy()
+        for point in self._to_pixels(training):
+            _disc(dotted, point, 1, (255, 255, 255))
+        return cv2.addWeighted(dotted, DOT_OPACITY, still, 1 - DOT_OPACITY, 0)
 
     def _draw_level(self, still: NDArray[np.uint8], levels: PlaneLevels, nu: float) -> None:
         x_m, y_m = levels.x_m, levels.y_m
@@ -104,13 +110,13 @@ class SupportPicture:
         cell_m = np.array([x_m[1] - x_m[0], y_m[1] - y_m[0]])
         half_extent_m = cell_m * (len(x_m), len(y_m)) / 2
         scores = np.asarray(levels.scores[nu][::-1], np.float32)
-        inside = self._warped(scores, centre_m, half_extent_m, cv2.INTER_LINEAR, outside=-1.0) > 0
-        tint = np.asarray(palette.SUPPORT, np.float32)
-        still[inside] = (0.85 * still[inside] + 0.15 * tint).astype(np.uint8)
-        outlines, _ = cv2.findContours(
-            inside.astype(np.uint8), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE
-        )
-        cv2.drawContours(still, outlines, -1, palette.SUPPORT, 1, cv2.LINE_AA)
+        field = self._warped(scores, centre_m, half_extent_m, cv2.INTER_CUBIC)
+        slope = np.hypot(*np.gradient(field))
+        pixels_inside = field / np.maximum(slope, 1e-9)
+        tinted = TINT_OPACITY * np.clip(pixels_inside + 0.5, 0, 1)
+        outlined = OUTLINE_OPACITY * np.clip(1.5 - np.abs(pixels_inside), 0, 1)
+        opacity = np.maximum(tinted, outlined)[..., None]
+        still[:] = still + opacity * (np.array(palette.SUPPORT) - still)
 
     def _warped(
         self,
@@ -118,7 +124,6 @@ class SupportPicture:
         centre_m: NDArray[np.float64],
         half_extent_m: NDArray[np.float64],
         interpolation: int,
-        outside: float = 0.0,
     ) -> NDArray:
         """(height, width[, 3]) `pixels` moved from their place in the plane into the window."""
         rows, columns = pixels.shape[:2]
@@ -140,13 +145,14 @@ class SupportPicture:
                 [0, zoom_y, corner[1] + zoom_y / 2 - 0.5],
             ]
         )
-        fill = palette.INK if pixels.ndim == 3 else outside
+        # Beyond a ground is nothing; beyond the scores' grid they stay as they are on its edge.
         return cv2.warpAffine(
             pixels,
             matrix,
             (self._width, self._height),
             flags=interpolation,
-            borderValue=fill,  # type: ignore[arg-type]
+            borderMode=cv2.BORDER_CONSTANT if pixels.ndim == 3 else cv2.BORDER_REPLICATE,
+            borderValue=palette.INK,
         )
 
     def _to_pixels(self, positions: NDArray) -> NDArray[np.float64]:

@@ -3,10 +3,21 @@
 from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Outcome, Reason, Step
 
 HISTORY_STEPS = 300
+
+
+class Scored(NamedTuple):
+    """What the score plot shows of a step."""
+
+    time_s: float
+    score: float
+    threshold: float
+    expert_acts: float
+    """1 or 0"""
 
 
 @dataclass(frozen=True)
@@ -51,8 +62,8 @@ class Tally:
     """Follows the steps of one episode after the other; every call is cheap."""
 
     def __init__(self) -> None:
-        self.scores: deque[tuple[float, float, float]] = deque(maxlen=HISTORY_STEPS)
-        """time (s), score and threshold of the latest steps"""
+        self.scores: deque[Scored] = deque(maxlen=HISTORY_STEPS)
+        """of the latest steps"""
         self._figures: Figures | None = None
         self._shares: dict[tuple[str, str], Share] = {}
         self._outcomes: dict[tuple[str, str], Counter[Outcome]] = {}
@@ -83,7 +94,9 @@ class Tally:
         has_policy = step.proposed is not None or decision.reason is Reason.INVALID_PROPOSAL
         begins = expert_acts and has_policy and not self._expert_acted
         self._expert_acted = expert_acts
-        self.scores.append((step.observation.time_s, decision.score, decision.threshold))
+        self.scores.append(
+            Scored(step.observation.time_s, decision.score, decision.threshold, float(expert_acts))
+        )
         self._figures = replace(
             figures,
             episode=figures.episode.after(expert_acts, begins),

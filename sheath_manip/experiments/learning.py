@@ -182,25 +182,24 @@ def _run_job(job: Job) -> Job:
 def _run_in_processes(jobs: list[Job], workers: int, report: Report) -> None:
     # Spawned, not forked: neither torch's threads nor a GL context survive a fork.
     context = multiprocessing.get_context("spawn")
-    with context.Manager() as manager:
-        reports = manager.Queue()
-        stop = threading.Event()
-        drain = threading.Thread(target=_drain, args=(reports, report, stop), daemon=True)
-        drain.start()
-        pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
-        try:
-            pending: set[Future[Job]] = {pool.submit(_run_job, job) for job in jobs}
-            while pending:
-                finished, pending = wait(pending, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    pending |= {pool.submit(_run_job, job) for job in _next_jobs(future.result())}
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in multiprocessing.active_children():
-                if process.name.startswith("SpawnProcess"):
-                    process.terminate()
-            stop.set()
-            drain.join()
+    reports = context.Queue()
+    stop = threading.Event()
+    drain = threading.Thread(target=_drain, args=(reports, report, stop), daemon=True)
+    drain.start()
+    pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
+    try:
+        pending: set[Future[Job]] = {pool.submit(_run_job, job) for job in jobs}
+        while pending:
+            finished, pending = wait(pending, return_when=FIRST_COMPLETED)
+            for future in finished:
+                pending |= {pool.submit(_run_job, job) for job in _next_jobs(future.result())}
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            process.terminate()
+        stop.set()
+        drain.join()
+        reports.close()
 
 
 def _drain(reports: Any, report: Callable[[str], None], stop: threading.Event) -> None:

@@ -1,0 +1,224 @@
+"""What every task of the table must do."""
+
+import pickle
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from sheath_manip.exceptions import ActionError, UnknownNameError
+from sheath_manip.plan import LearningPlan
+from sheath_manip.protocols import Environment
+from sheath_manip.types import Action, Observation, Outcome
+from tasks.table import TASKS
+
+SHAPES = {"box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh", "picture"}
+
+
+@pytest.fixture(params=sorted(TASKS), scope="module")
+def name(request) -> str:
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def environment(name) -> Iterator[Environment]:
+    environment = TASKS[name].make()
+    yield environment
+    environment.close()
+
+
+def middle(environment: Environment) -> Action:
+    """An action that every task admits."""
+    spec = environment.spec.action
+    if spec.choices is not None:
+        return spec.choices[len(spec.choices) // 2]
+    return ((spec.minimum + spec.maximum) / 2).astype(np.float32)
+
+
+def assert_fits(observation: Observation, environment: Environment) -> None:
+    spec = environment.spec
+    assert list(observation.images) == list(spec.cameras)
+    for camera, (height, width) in spec.cameras.items():
+        image = observation.images[camera]
+        assert image.shape == (height, width, 3)
+        assert image.dtype == np.uint8
+        # Something is to be seen.
+        assert image.std() > 1
+    assert observation.features.shape == (len(spec.feature_names),)
+    assert observation.features.dtype == np.float32
+    assert np.isfinite(observation.features).all()
+    assert isinstance(observation.time_s, float)
+
+
+def assert_equal(first: Observation, second: Observation) -> None:
+    assert_same_values(first, second)
+    for camera, image in first.images.items():
+        np.testing.assert_array_equal(image, second.images[camera])
+
+
+def assert_same_values(first: Observation, second: Observation) -> None:
+    np.testing.assert_array_equal(first.features, second.features)
+    assert first.time_s == second.time_s
+
+
+def test_the_entry_is_complete_and_can_be_pickled(name):
+    entry = TASKS[name]
+    assert entry.name == name
+    assert entry.summary
+    assert {"default", "final"} <= set(entry.variants)
+    assert {"full", "quick"} <= set(entry.plans)
+    assert all(isinstance(plan, LearningPlan) for plan in entry.plans.values())
+    assert entry.plans["quick"].units() < entry.plans["full"].units()
+    copy = pickle.loads(pickle.dumps(entry))
+    assert copy.name == name
+    assert list(copy.figures) == list(entry.figures)
+    with pytest.raises(UnknownNameError, match="default"):
+        entry.make("nonesuch")
+
+
+def test_the_spec_is_consistent(name, environment):
+    spec = environment.spec
+    assert spec.name == name
+    assert spec.control_rate_hz > 0
+    assert spec.max_steps > 0
+    action = spec.action
+    assert action.minimum.shape == action.maximum.shape == (len(action.names),)
+    assert action.minimum.dtype == action.maximum.dtype == np.float32
+    assert (action.minimum < action.maximum).all()
+    if action.choices is not None:
+        assert len(action.choices) >= 2
+        for choice in action.choices:
+            action.validated(choice)
+    assert len(set(spec.feature_names)) == len(spec.feature_names)
+    assert set(spec.plane or ()) <= set(spec.feature_names)
+
+
+def test_observations_fit_the_spec(environment):
+    observation = environment.reset(1)
+    assert_fits(observation, environment)
+    assert observation.time_s == 0.0
+    assert environment.outcome() is Outcome.TIME_LIMIT
+    assert environment.spec.metric in environment.metrics()
+    for number in range(1, 4):
+        transition = environment.step(middle(environment))
+        assert_fits(transition.observation, environment)
+        assert type(transition.reward) is float
+        assert type(transition.terminated) is type(transition.truncated) is bool
+        assert not (transition.terminated and transition.truncated)
+        wanted_s = number / environment.spec.control_rate_hz
+        assert transition.observation.time_s == pytest.approx(wanted_s)
+        assert all(isinstance(value, float) for value in environment.metrics().values())
+
+
+def test_an_observation_is_not_overwritten_by_the_next(environment):
+    observation = environment.reset(1)
+    kept = {camera: image.copy() for camera, image in observation.images.items()}
+    features = observation.features.copy()
+    for _ in range(3):
+        environment.step(middle(environment))
+    for camera, image in kept.items():
+        np.testing.assert_array_equal(observation.images[camera], image)
+    np.testing.assert_array_equal(observation.features, features)
+
+
+def test_the_seed_makes_the_episode(environment):
+    def run(seed: int) -> tuple[list[Observation], np.ndarray]:
+        seen = [environment.reset(seed)]
+        seen += [environment.step(middle(environment)).observation for _ in range(3)]
+        return seen, environment.state()
+
+    first, state = run(2**32 - 1)
+    other, other_state = run(3)
+    again, again_state = run(2**32 - 1)
+    for one, two in zip(first, again, strict=True):
+        assert_equal(one, two)
+    np.testing.assert_array_equal(state, again_state)
+    assert not np.array_equal(state, other_state)
+    assert any(
+        not np.array_equal(image, other[0].images[camera])
+        for camera, image in first[0].images.items()
+    )
+
+
+@pytest.mark.parametrize("spoil", ["nan", "above", "below", "shape"])
+def test_a_bad_action_is_refused_and_changes_nothing(spoil, environment):
+    spec = environment.spec.action
+    action = {
+        "nan": np.full_like(spec.minimum, np.nan),
+        "above": spec.maximum + 1,
+        "below": spec.minimum - 1,
+        "shape": np.zeros(len(spec.minimum) + 1, np.float32),
+    }[spoil]
+    environment.reset(1)
+    environment.step(middle(environment))
+    before = environment.state()
+    with pytest.raises(ActionError, match=spec.names[0]):
+        environment.step(action)
+    np.testing.assert_array_equal(environment.state(), before)
+
+
+def test_a_state_is_restored_to_the_bit(environment):
+    environment.reset(5)
+    environment.step(middle(environment))
+    state = environment.state()
+    assert state.ndim == 1
+    assert state.dtype == np.float64
+    assert np.isfinite(state).all()
+    before = [environment.step(middle(environment)) for _ in range(3)]
+    end = environment.state()
+    metrics = dict(environment.metrics())
+    restored = environment.restore(state)
+    assert_fits(restored, environment)
+    np.testing.assert_array_equal(environment.state(), state)
+    assert_same_values(environment.restore(state), restored)
+    for transition in before:
+        again = environment.step(middle(environment))
+        assert_equal(again.observation, transition.observation)
+        assert again.reward == transition.reward
+    np.testing.assert_array_equal(environment.state(), end)
+    assert dict(environment.metrics()) == metrics
+
+
+def test_ends_by_its_time_limit_at_the_latest_and_starts_again(environment):
+    environment.reset(1)
+    state = environment.state()
+    for number in range(1, environment.spec.max_steps + 1):
+        transition = environment.step(middle(environment))
+        if transition.terminated or transition.truncated:
+            break
+    assert transition.terminated or transition.truncated
+    assert transition.truncated == (number == environment.spec.max_steps)
+    assert (environment.outcome() is Outcome.TIME_LIMIT) == (not transition.terminated)
+    # Neither a restored nor a new episode inherits the end.
+    environment.restore(state)
+    again = environment.step(middle(environment))
+    assert not (again.terminated or again.truncated)
+    assert again.observation.time_s == pytest.approx(1 / environment.spec.control_rate_hz)
+    environment.reset(1)
+    np.testing.assert_array_equal(environment.state(), state)
+
+
+def test_viewers_get_shapes_and_poses(environment):
+    environment.reset(1)
+    scene, poses = environment.scene(), environment.body_poses()
+    assert poses.ndim == 2
+    assert poses.shape[1] == 7
+    assert np.isfinite(poses).all()
+    np.testing.assert_allclose(np.linalg.norm(poses[:, 3:], axis=1), 1, atol=1e-9)
+    assert scene
+    for geom in scene:
+        assert geom.shape in SHAPES
+        assert 0 <= geom.body < len(poses)
+        assert geom.size.shape == geom.position_in_body.shape == (3,)
+        assert len(geom.rgba) == 4
+        assert all(0 <= value <= 1 for value in geom.rgba)
+        assert np.linalg.norm(geom.wxyz_in_body) == pytest.approx(1)
+        assert (geom.vertices is not None) == (geom.faces is not None) == (geom.shape == "mesh")
+        if geom.picture is not None:
+            assert geom.picture.dtype == np.uint8
+            assert geom.picture.shape[2] == 3
+    environment.reset(2)
+    assert [(g.body, g.shape) for g in environment.scene()] == [(g.body, g.shape) for g in scene]
+    assert environment.body_poses().shape == poses.shape
+    environment.step(middle(environment))
+    assert not np.array_equal(environment.body_poses(), poses)

@@ -1,0 +1,81 @@
+"""What every task's expert must do."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from sheath_manip.gates import AlwaysExpert
+from sheath_manip.protocols import Environment, Expert
+from sheath_manip.rollout import rollout
+from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+from tasks.table import TASKS
+
+SEED = 77
+
+
+@pytest.fixture(params=sorted(TASKS), scope="module")
+def name(request) -> str:
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def environment(name) -> Iterator[Environment]:
+    environment = TASKS[name].make()
+    yield environment
+    environment.close()
+
+
+@pytest.fixture(scope="module")
+def expert(name, environment) -> Expert:
+    return TASKS[name].expert(environment)
+
+
+def demonstrated(name: str, environment: Environment, expert: Expert) -> Episode:
+    info = EpisodeInfo(name, SEED, Purpose.DEMONSTRATION, environment.spec.control_rate_hz)
+    return rollout(environment, info, AlwaysExpert(), rng=np.random.default_rng(0), expert=expert)
+
+
+@pytest.fixture(scope="module")
+def episode(name, environment, expert) -> Episode:
+    return demonstrated(name, environment, expert)
+
+
+def test_succeeds_with_valid_actions(environment, episode):
+    assert episode.outcome is Outcome.SUCCESS
+    assert (episode.terminated, episode.truncated) == (True, False)
+    spec = environment.spec.action
+    for step in episode.steps:
+        spec.validated(step.executed)
+        assert step.executed.dtype == np.float32
+        if spec.choices is not None:
+            assert (np.abs(spec.choices - step.executed).max(axis=1) < 1e-6).any()
+
+
+def test_is_deterministic(name, episode):
+    other = TASKS[name].make()
+    again = demonstrated(name, other, TASKS[name].expert(other))
+    assert len(again) == len(episode)
+    for one, two in zip(again.steps, episode.steps, strict=True):
+        np.testing.assert_array_equal(one.executed, two.executed)
+        np.testing.assert_array_equal(one.state, two.state)
+    np.testing.assert_array_equal(again.final_state, episode.final_state)
+    other.close()
+
+
+def test_looking_changes_nothing(environment, expert):
+    observation = environment.reset(SEED)
+    expert.reset()
+    before = environment.state()
+    first = expert.act(observation)
+    np.testing.assert_array_equal(environment.state(), before)
+    np.testing.assert_array_equal(expert.act(observation), first)
+
+
+def test_takes_over_in_the_midst(environment, expert, episode):
+    """From any state of an episode it says what it said when it drove there itself."""
+    for step in episode.steps[:: max(len(episode) // 6, 1)]:
+        environment.reset(episode.info.seed)
+        observation = environment.restore(step.state)
+        expert.reset()
+        np.testing.assert_array_equal(expert.act(observation), step.executed)

@@ -1,0 +1,159 @@
+"""The gate on real pictures: a few expert laps, seen small, and a small policy."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sheath_manip.aggregate import fit_gate
+from sheath_manip.checkpoint import Checkpoint
+from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.gates import AlwaysExpert, SupportGate
+from sheath_manip.plan import LearningPlan
+from sheath_manip.policies import EMBEDDINGS, POLICIES, make_embedding
+from sheath_manip.policies.cnn import ConvPolicy
+from sheath_manip.rollout import rollout
+from sheath_manip.support import make_support
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.expert import DrivingExpert
+from tasks.driving.task import DrivingTask, Scenario
+
+DEMONSTRATIONS, CALIBRATION = 3, 3
+FALSE_ALARM_RATE = 0.1
+PLAN = LearningPlan(policy="small-cnn", false_alarm_rate=FALSE_ALARM_RATE)
+
+
+class Drive:
+    """An environment, expert laps in it, and a policy fitted to some of them."""
+
+    def __init__(self) -> None:
+        # 64 pixels: the least that leaves the convolutions some room.
+        self.task = DrivingTask(Scenario(render_px=128, pyramid_levels=1))
+        self.environment = ComposerEnvironment(self.task)
+        self.expert = DrivingExpert(self.environment)
+        laps = [self.lap(AlwaysExpert(), seed) for seed in range(DEMONSTRATIONS + CALIBRATION)]
+        self.states = samples_from(laps[:DEMONSTRATIONS])
+        self.held_out = [samples_from([lap]) for lap in laps[DEMONSTRATIONS:]]
+        self.policy = ConvPolicy(self.task.spec, (8, 16), (32,), epochs=8, seed=0)
+        self.policy.fit(self.states)
+        self.checkpoint = fit_gate(self.policy, self.states, self.held_out, PLAN, "driving")
+
+    def lap(self, gate, seed: int) -> Episode:
+        return rollout(
+            self.environment,
+            EpisodeInfo("driving", seed, Purpose.LEARNING, 10.0),
+            gate,
+            rng=np.random.default_rng(0),
+            policy=getattr(self, "policy", None),
+            expert=self.expert,
+        )
+
+
+@pytest.fixture(scope="module")
+def drive():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(POLICIES, "small-cnn", partial(ConvPolicy, channels=(8, 16), hidden=(32,)))
+        drive = Drive()
+        yield drive
+        drive.environment.close()
+
+
+def vectors(checkpoint: Checkpoint, samples: Samples) -> np.ndarray:
+    return checkpoint.embedding.transform(samples.images, samples.features)
+
+
+@pytest.mark.parametrize("nu", [0.01, 0.05, 0.2, 0.5])
+@pytest.mark.parametrize("embedding", sorted(EMBEDDINGS))
+def test_at_most_nu_of_the_training_states_lie_outside(embedding, nu, drive):
+    fitted = make_embedding(embedding).fit(drive.policy, drive.states)
+    points = fitted.transform(drive.states.images, drive.states.features)
+    scores = make_support(PLAN.support, nu=nu).fit(points).decision_function(points)
+    assert (scores >= 0).mean() >= 1 - nu - 0.01
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+def test_so_it_is_with_other_bandwidths(factor, drive):
+    points = vectors(drive.checkpoint, drive.states)
+    for nu in (0.05, 0.5):
+        support = make_support(PLAN.support, nu=nu, bandwidth_factor=factor).fit(points)
+        assert (support.decision_function(points) >= 0).mean() >= 1 - nu - 0.01
+
+
+def test_the_threshold_is_met_by_the_steps_that_it_was_calibrated_on(drive):
+    alarms = [
+        np.mean(~(drive.checkpoint.scores(lap) >= drive.checkpoint.threshold))
+        for lap in drive.held_out
+    ]
+    assert np.mean(alarms) == pytest.approx(FALSE_ALARM_RATE, abs=0.02)
+
+
+def test_off_the_road_lies_further_outside_than_on_it(drive):
+    drive.environment.reset(500)
+    physics = drive.environment.physics
+    track = drive.task.track
+
+    def score(lateral_m: float, turned_rad: float) -> float:
+        scores = []
+        for s in np.linspace(0, track.lap_length, 12, endpoint=False):
+            pose = track.pose(s, np.array(lateral_m)) + np.array([0, 0, turned_rad])
+            drive.task.place(physics, pose)
+            physics.forward()
+            scores.append(drive.checkpoint.score(drive.environment.observe()))
+        return float(np.median(scores))
+
+    middle = score(0.0, 0.0)
+    assert middle > score(6.0, 0.0)
+    assert middle > score(0.0, np.pi / 2)
+    assert score(0.0, np.pi / 2) < drive.checkpoint.threshold
+
+
+class Blind:
+    """An embedding that sees nothing."""
+
+    def transform(self, images: Any, features: Any) -> np.ndarray:
+        del images
+        return np.full((len(features), 8), np.nan, np.float32)
+
+
+def test_without_a_score_the_expert_drives(drive):
+    points = np.random.default_rng(0).normal(size=(50, 8))
+    blind = replace(
+        drive.checkpoint,
+        embedding=Blind(),  # pyright: ignore[reportArgumentType]
+        support=make_support(PLAN.support).fit(points),
+    )
+    episode = drive.lap(SupportGate(blind.score, blind.threshold), seed=20)
+    assert episode.outcome is Outcome.SUCCESS
+    assert {step.decision.actor for step in episode.steps} == {Actor.EXPERT}
+    assert {step.decision.reason for step in episode.steps} == {Reason.NO_SCORE}
+    assert all(step.proposed is not None for step in episode.steps)
+    assert all(np.isnan(step.decision.score) for step in episode.steps)
+
+
+def test_a_network_of_nan_leaves_the_wheel_to_the_expert(drive):
+    """A fit that diverged: its actions are well-formed, its scores are not."""
+    arrays = {
+        key: np.full_like(array, np.nan) if array.dtype == np.float32 else array
+        for key, array in drive.policy.arrays().items()
+    }
+    broken = ConvPolicy(drive.task.spec, (8, 16), (32,)).load(arrays)
+    embedding = make_embedding("foveal-convolutions")
+    embedding.load(broken, drive.checkpoint.embedding.arrays())
+    checkpoint = replace(drive.checkpoint, policy=broken, embedding=embedding)
+    seen = drive.environment.reset(3)
+    assert np.isnan(checkpoint.score(seen))
+    decision = SupportGate(checkpoint.score, checkpoint.threshold).decide(seen, broken.act(seen))
+    assert (decision.actor, decision.reason) == (Actor.EXPERT, Reason.NO_SCORE)
+
+
+def test_under_the_gate_both_drive_and_the_scores_decide(drive):
+    gate = SupportGate(drive.checkpoint.score, drive.checkpoint.threshold)
+    episode = drive.lap(gate, seed=30)
+    actors = [step.decision.actor for step in episode.steps]
+    assert set(actors) == {Actor.EXPERT, Actor.POLICY}
+    for step in episode.steps:
+        outside = step.decision.score < drive.checkpoint.threshold
+        assert step.decision.actor is (Actor.EXPERT if outside else Actor.POLICY)
