@@ -26,12 +26,14 @@ class Experiment:
 
     task: TaskName
     """name of the experiment, which is its task's, as `sheath tasks` lists it"""
+    plan: str = "full"
+    """the settings, as `sheath tasks` lists them; each keeps apart from the full one"""
     quick: bool = False
-    """the small version, in minutes; it keeps apart from the full one"""
+    """the small version, in minutes: the same as --plan quick"""
     out: Path | None = None
-    """directory for summary.json and figures; results/TASK, or runs/TASK-quick/results if quick"""
+    """directory for summary.json and figures; results/TASK, or beside the runs of another plan"""
     runs: Path | None = None
-    """directory for episodes and checkpoints; runs/TASK, or runs/TASK-quick if quick"""
+    """directory for episodes and checkpoints; runs/TASK, or runs/TASK-PLAN for another plan"""
     fresh: bool = False
     """begin anew; what an earlier run left is moved aside"""
     workers: int | None = None
@@ -42,6 +44,8 @@ class Experiment:
     """after the demonstrations; the plan's by default"""
     methods: tuple[str, ...] | None = None
     """to compare, as `sheath tasks` lists them; the plan's by default"""
+    figures: tuple[str, ...] | None = None
+    """file names of the figures to draw; all by default"""
     dashboard: bool = False
     """show the run in the browser"""
     hold: bool = False
@@ -51,11 +55,12 @@ class Experiment:
     def run(self, session: Session) -> int:
         """Run it to its end."""
         task = session.task(self.task)
-        plan = self._plan(task)
+        size = "quick" if self.quick else self.plan
+        plan = self._plan(task, size)
         workers = self._workers()
-        name = f"{task.name}-quick" if self.quick else task.name
+        name = task.name if size == "full" else f"{task.name}-{size}"
         runs = self.runs or Path("runs") / name
-        results = self.out or (runs / "results" if self.quick else Path("results") / name)
+        results = self.out or (Path("results") / name if size == "full" else runs / "results")
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
         from sheath_manip.methods import method_named
@@ -72,6 +77,7 @@ class Experiment:
                 results=results,
                 command=session.command,
                 workers=workers,
+                figures=self.figures,
                 listeners=listeners,
                 console=session.out,
             )
@@ -81,11 +87,10 @@ class Experiment:
                     dashboard.hold_open()
         return 0
 
-    def _plan(self, task: TaskEntry) -> LearningPlan:
-        for name in ("seeds", "methods"):
+    def _plan(self, task: TaskEntry, size: str) -> LearningPlan:
+        for name in ("seeds", "methods", "figures"):
             if getattr(self, name) == ():
                 raise ParameterError(f"{name} is empty; wanted at least one")
-        size = "quick" if self.quick else "full"
         return planned(task, size, seeds=self.seeds, rounds=self.rounds, methods=self.methods)
 
     def _workers(self) -> int:

@@ -19,8 +19,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from sheath_manip.aggregate import EXPERT, LearningRun, Report, round_path, round_results
 from sheath_manip.checkpoint import load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
-from sheath_manip.experiments.figures import write_figures
+from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.figures import FIGURES, write_figures
 from sheath_manip.experiments.summary import summarise, table
 from sheath_manip.methods import method_named
 from sheath_manip.metrics import record_of
@@ -66,17 +66,23 @@ def run_experiment(
     results: Path,
     command: str,
     workers: int = 2,
+    figures: Sequence[str] | None = None,
     listeners: Sequence[Listener] = (),
     console: Console | None = None,
 ) -> dict[str, Any]:
     """Run or resume the experiment under `runs`; write summary.json and figures to `results`.
 
     With `workers` 0 all runs in this process, one after the other, and `listeners` follow it; a
-    listener cannot follow into worker processes. Returns the summary.
+    listener cannot follow into worker processes. `figures` names those to draw, all where it is None.
+    Returns the summary. Raises UnknownNameError before anything runs.
     """
     console = console or Console()
     if listeners and workers:
         raise ParameterError(f"listeners follow one process only; wanted workers 0, got {workers}")
+    known = (*FIGURES, *task.figures)
+    for name in figures or ():
+        if name not in known:
+            raise UnknownNameError("figure", name, known)
     for name in plan.methods:
         follows = method_named(name).follows
         if follows is not None and follows not in plan.methods:
@@ -110,7 +116,7 @@ def run_experiment(
     wall_s = stopwatch.tick(force=True)
     summary = _summary(task, plan, runs, command, wall_s)
     write_json(results / "summary.json", summary)
-    paths = _figures(task, plan, runs, results, summary)
+    paths = _figures(task, plan, runs, results, summary, figures)
     console.print(table(summary))
     for path in (results / "summary.json", *paths):
         console.print(f"  {path}")
@@ -239,7 +245,12 @@ def _summary(
 
 
 def _figures(
-    task: TaskEntry, plan: LearningPlan, runs: Path, results: Path, summary: dict[str, Any]
+    task: TaskEntry,
+    plan: LearningPlan,
+    runs: Path,
+    results: Path,
+    summary: dict[str, Any],
+    names: Sequence[str] | None,
 ) -> list[Path]:
     store = EpisodeStore(runs / "store")
     shown = "sheath" if "sheath" in plan.methods else plan.methods[0]
@@ -252,6 +263,6 @@ def _figures(
             name: partial(draw, store, checkpoint, environment)
             for name, draw in task.figures.items()
         }
-        return write_figures(results, summary, store, own)
+        return write_figures(results, summary, store, own, names)
     finally:
         environment.close()

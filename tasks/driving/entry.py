@@ -44,6 +44,8 @@ DRIVING = TaskEntry(
     expert=DrivingExpert,
     plans={
         "full": LearningPlan(),
+        # As in the draft: three laps, one convolution layer, the support on its last hidden layer.
+        "paper": LearningPlan(policy="paper-cnn", embedding="penultimate", demonstrations=3),
         "quick": LearningPlan(
             methods=("dagger", "sheath"),
             seeds=(0,),
