@@ -19,7 +19,7 @@ from sheath_manip.dataset.samples import Samples, joined, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
-from sheath_manip.methods import Method, RoundContext, method_named
+from sheath_manip.methods import METHODS, Method, RoundContext, method_named
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import make_embedding, make_policy
@@ -111,7 +111,8 @@ class LearningRun:
         results = [start]
         states = [common.demonstrations]
         checkpoint = common.checkpoint
-        for number in range(1, self.plan.rounds + 1):
+        while not results[-1].final:
+            number = len(results)
             episodes = self._learning_episodes(method, number, checkpoint)
             states.append(samples_from(episodes))
             path = self._path(method.name, number, "json")
@@ -124,22 +125,25 @@ class LearningRun:
                 write_result(path, measured)
             results.append(read_result(path))
             checkpoint = refitted
-            if self._good_enough(number, results[-1].surrogate_loss):
-                break
         return results
 
-    def _good_enough(self, number: int, surrogate_loss: float) -> bool:
+    def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.
-        return number > 0 and surrogate_loss < self.plan.stop_below_loss
+        good_enough = number > 0 and surrogate_loss < self.plan.stop_below_loss
+        return number == self._rounds_of(method) or good_enough
+
+    def _rounds_of(self, method: str) -> int:
+        """The plan's rounds, or fewer where the method that this one follows stopped before."""
+        follows = METHODS[method].follows if method in METHODS else None
+        followed = None if follows is None else self._finished(follows)
+        return self.plan.rounds if followed is None else followed[-1].round
 
     def _finished(self, method: str) -> list[RoundResult] | None:
-        """The rounds of a method that needs no more of them."""
+        """The rounds of a method that needs no more of them: its last policy has been judged."""
         if not self._path(EXPERT, 0, "json").exists():
             return None
         results = round_results(self.directory.parent, self.run_seed, method)
-        enough = len(results) > self.plan.rounds
-        stopped = self._good_enough(len(results) - 1, results[-1].surrogate_loss)
-        return results if enough or stopped else None
+        return results if results[-1].final else None
 
     def _expert_episodes(self, purpose: Purpose, count: int) -> list[Episode]:
         infos = [self._info(purpose, EXPERT, 0, index) for index in range(count)]
@@ -248,9 +252,7 @@ class LearningRun:
         )
         surrogate_loss = float(np.mean(losses))
         final: Sequence[EpisodeRecord] = ()
-        if checkpoint.round == self.plan.rounds or self._good_enough(
-            checkpoint.round, surrogate_loss
-        ):
+        if self._is_last(checkpoint.method, checkpoint.round, surrogate_loss):
             environment = self.task.make("final")
             final = evaluate_policy(
                 environment, checkpoint, self._held_out(self.plan.final), self.report

@@ -25,8 +25,8 @@ class LearningPlan:
     demonstrations: int = 10
     """expert episodes before round 1"""
     calibration: int = 20
-    """held-out expert episodes for the threshold; steps of one resemble each other, so three will do
-    but ten still miss the asked rate by five points"""
+    """held-out expert episodes for the threshold; steps of one resemble each other, so three will
+    do but ten still miss the asked rate by five points"""
     check: int = 20
     """further held-out expert episodes, to measure false alarms"""
     rounds: int = 8

@@ -70,7 +70,10 @@ class ActionSpec:
 
     def validated(self, action: Any) -> Action:
         """Return `action` as (a,) float32, or raise ActionError naming what is wrong with it."""
-        array = np.asarray(action, dtype=np.float32)
+        try:
+            array = np.asarray(action, dtype=np.float32)
+        except (TypeError, ValueError) as error:
+            raise ActionError(f"action {action!r} is no array of numbers") from error
         if array.shape != self.minimum.shape:
             raise ActionError(
                 f"action has shape {array.shape}; wanted {self.minimum.shape} "

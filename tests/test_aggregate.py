@@ -1,4 +1,4 @@
-"""Rounds of learning on the toy task: they resume to the bit, and nothing is learned from what judges."""
+"""Rounds of learning on the toy task: they resume to the bit and never learn from what judges."""
 
 import io
 import json
@@ -38,14 +38,14 @@ SMALL_PLAN = replace(
     embedding="pooled-convolutions",
     methods=METHODS,
     demonstrations=3,
-    check=2,
+    check=1,
     false_alarm_rate=0.3,
 )
 FILES = ["round-01.json", "round-01.npz", "round-02.json", "round-02.npz"]
 
 
 def small_policy() -> Callable[..., ConvPolicy]:
-    return partial(ConvPolicy, channels=(8,), hidden=(16,), epochs=12)
+    return partial(ConvPolicy, channels=(8,), hidden=(16,), epochs=8)
 
 
 def learner(directory: Path, plan=SMALL_PLAN, report=lambda _: None, listeners=()) -> LearningRun:
@@ -53,10 +53,12 @@ def learner(directory: Path, plan=SMALL_PLAN, report=lambda _: None, listeners=(
     return LearningRun(CORRIDOR, plan, 0, directory, store, listeners, report)
 
 
-def learn(directory: Path, listeners: tuple[Listener, ...] = ()) -> None:
-    """All of `METHODS`; also what the killed process runs."""
+def learn(
+    directory: Path, listeners: tuple[Listener, ...] = (), methods: tuple[str, ...] = METHODS
+) -> None:
+    """All rounds of `methods`; also what the killed process runs."""
     POLICIES[SMALL] = small_policy()
-    for method in METHODS:
+    for method in methods:
         learner(directory, listeners=listeners).run(method)
 
 
@@ -88,11 +90,17 @@ def whole(tmp_path_factory) -> Path:
     return directory
 
 
-def same(directory: Path, whole: Path) -> bool:
+def same(directory: Path, whole: Path, methods: tuple[str, ...] = METHODS) -> bool:
+    wanted = ("expert", *methods)
+
+    def of(found: dict) -> dict:
+        return {path: value for path, value in found.items() if Path(path).parts[1] in wanted}
+
+    assert digests(directory) == of(digests(whole))
+    assert measured(directory) == of(measured(whole))
     store, reference = EpisodeStore(directory / "store"), EpisodeStore(whole / "store")
-    assert digests(directory) == digests(whole)
-    assert measured(directory) == measured(whole)
-    assert [e.info for e in store.infos()] == [e.info for e in reference.infos()]
+    infos = [summary.info for summary in reference.infos()]
+    assert [e.info for e in store.infos()] == [info for info in infos if info.method in wanted]
     return True
 
 
@@ -215,23 +223,23 @@ def test_stopped_at_any_file_it_resumes_to_the_same_result(when, whole, tmp_path
     while True:
         sessions += 1
         try:
-            learn(tmp_path)
+            learn(tmp_path, methods=METHODS[:1])
         except StoppedError:
             continue
         break
     expert = SMALL_PLAN.demonstrations + SMALL_PLAN.calibration + SMALL_PLAN.check
-    files = expert + 2 + len(METHODS) * SMALL_PLAN.rounds * (SMALL_PLAN.episodes + 2)
+    files = expert + 2 + SMALL_PLAN.rounds * (SMALL_PLAN.episodes + 2)
     assert sessions == files + 1
     # Nothing is made twice.
     assert cutter.written == files
-    assert same(tmp_path, whole)
+    assert same(tmp_path, whole, METHODS[:1])
 
 
 class Interrupter:
-    """A listener that gives up in the midst of one episode after the other."""
+    """A listener that gives up in the midst of some episodes, once in each."""
 
     def __init__(self) -> None:
-        self.seen: set[str] = set()
+        self.seen: list[str] = []
         self.fitted: list[int] = []
 
     def on_fit(self, states) -> None:
@@ -241,10 +249,13 @@ class Interrupter:
         pass
 
     def on_step(self, environment, step) -> None:
+        del step
         place = f"{environment.state()}"
         if environment.state()[0] == 5 and place not in self.seen:
-            self.seen.add(place)
-            raise StoppedError(str(step.decision.reason))
+            self.seen.append(place)
+            # Some demonstrations, and of each round of each method one episode at least.
+            if len(self.seen) % 2:
+                raise StoppedError(place)
 
     def on_end(self, episode) -> None:
         pass
@@ -252,14 +263,16 @@ class Interrupter:
 
 def test_an_episode_that_was_cut_short_is_run_again(whole, tmp_path):
     listener = Interrupter()
-    for _ in range(100):
+    stops = 0
+    while True:
         try:
             learn(tmp_path, (listener,))
         except StoppedError:
+            stops += 1
             continue
         break
     # Episodes that ended before the fifth step are not among them.
-    assert len(listener.seen) >= 8
+    assert stops >= 5
     assert same(tmp_path, whole)
 
 
@@ -281,7 +294,7 @@ def test_killed_it_resumes_to_the_same_result(whole, tmp_path):
     process = subprocess.Popen(
         [sys.executable, "-c", program, str(tmp_path)], env=os.environ | {"OMP_NUM_THREADS": "1"}
     )
-    late = time.monotonic() + 120
+    late = time.monotonic() + 200
     while not (tmp_path / "s0" / "sheath" / "round-01.npz").exists():
         assert process.poll() is None
         assert time.monotonic() < late
@@ -326,7 +339,6 @@ def test_rounds_end_once_the_loss_is_low_enough(whole, tmp_path):
     assert names == FILES[:2]
 
 
-@pytest.mark.xfail(strict=True, reason="who follows another must stop where that one stopped")
 def test_a_method_that_follows_one_that_stopped_stops_with_it(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "run")
     for method in METHODS:
@@ -342,7 +354,6 @@ EXPERIMENT = replace(
     policy="hog-svm",
     embedding="pixels",
     methods=("dagger", *METHODS),
-    seeds=(0, 1),
     demonstrations=2,
     check=1,
     rounds=1,
@@ -381,7 +392,9 @@ def here(tmp_path_factory) -> Path:
 
 
 def summary_of(directory: Path) -> dict:
-    return json.loads((directory / "results" / "summary.json").read_text()) | {"wall_s": None}
+    """Without what depends on the time of day: others may commit while this runs."""
+    summary = json.loads((directory / "results" / "summary.json").read_text())
+    return summary | {"wall_s": None, "git": None}
 
 
 @pytest.mark.slow

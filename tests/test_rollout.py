@@ -51,6 +51,7 @@ class Diary:
         self.steps = []
 
     def on_fit(self, states) -> None:
+        del states
         raise AssertionError("a rollout fits nothing")
 
     def on_start(self, environment, info) -> None:
@@ -159,8 +160,8 @@ def test_under_a_support_gate_each_acts_in_its_own_states(query):
 
 @pytest.mark.parametrize(
     "proposal",
-    [[np.nan], [0.31], [-np.inf], [0.0, 0.0], 0.0, None],
-    ids=["nan", "out of bounds", "infinite", "too long", "no axis", "none"],
+    [[np.nan], [0.31], [-np.inf], [0.0, 0.0], 0.0, None, "left", [[0.0], [0.0, 0.1]]],
+    ids=["nan", "out of bounds", "infinite", "too long", "no axis", "none", "text", "ragged"],
 )
 @pytest.mark.parametrize(
     "gate", [AlwaysPolicy(), Mixture(0.0), SupportGate(lambda _: 1.0, 0.0)], ids=lambda g: str(g)

@@ -27,7 +27,7 @@ def test_purposes_never_share_a_scene():
 def test_scenes_differ_within_a_purpose_and_fit_a_random_state(purpose):
     seeds = seeds_of(purpose)
     assert len(seeds) == len(KEYS)
-    np.random.RandomState(max(seeds))  # noqa: NPY002 - what dm_control seeds with
+    np.random.RandomState(max(seeds))  # which dm_control seeds
     assert min(seeds) >= 0
 
 

@@ -11,22 +11,20 @@ import io
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
 from sheath_manip.aggregate import EXPERT, LearningRun
 from sheath_manip.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import SetupError
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout import rollout
@@ -35,38 +33,13 @@ from sheath_manip.task import TaskEntry
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from tasks.table import TASKS
+from tools.chromium import TIMEOUT_S, chromium_page, wait_until
 
-CHROMIUM = Path("/usr/bin/chromium")
-# Mesa draws in software some forty times as fast as Chromium's own SwiftShader.
-FLAGS = (
-    "--use-gl=angle",
-    "--use-angle=gl-egl",
-    "--ignore-gpu-blocklist",
-    "--no-sandbox",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-dev-shm-usage",
-)
-SIZE_PX = (1400, 900)
-TIMEOUT_S = 60.0
-MIN_STEPS, MIN_INTERVENTIONS = 60, 3
-"""of the episode in the picture: enough for a trail and for a plot"""
+MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 90, 3, 4
+"""of the episode in the picture, and of the intervention under way: enough to be seen"""
 
-
-@contextmanager
-def chromium_page() -> Iterator[Page]:
-    """An empty page of a headless Chromium; raises SetupError where there is none."""
-    if not CHROMIUM.exists():
-        raise SetupError(f"{CHROMIUM} is missing; `apt-get install chromium` installs it")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        page = browser.new_page(viewport={"width": SIZE_PX[0], "height": SIZE_PX[1]})
-        page.set_default_timeout(1000 * TIMEOUT_S)
-        yield page
-        browser.close()
+POSE_TIMEOUT_S = 600.0
+"""training included"""
 
 
 class Pose:
@@ -75,8 +48,7 @@ class Pose:
     def __init__(self) -> None:
         self.struck = threading.Event()
         self.taken = threading.Event()
-        self._steps = self._interventions = 0
-        self._expert_acted = False
+        self._steps = self._interventions = self._turn_steps = 0
 
     def on_fit(self, states: Samples) -> None:
         """Nothing to see yet."""
@@ -84,18 +56,19 @@ class Pose:
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Count anew."""
         del environment, info
-        self._steps = self._interventions = 0
-        self._expert_acted = False
+        self._steps = self._interventions = self._turn_steps = 0
 
     def on_step(self, environment: Environment, step: Step) -> None:
-        """Wait for the picture where the expert has just taken over."""
+        """Wait for the picture where the expert has taken over."""
         del environment
-        expert_acts = step.decision.actor is Actor.EXPERT
-        begins = expert_acts and not self._expert_acted
-        self._expert_acted = expert_acts
         self._steps += 1
-        self._interventions += begins
-        if begins and self._steps >= MIN_STEPS and self._interventions >= MIN_INTERVENTIONS:
+        self._turn_steps = self._turn_steps + 1 if step.decision.actor is Actor.EXPERT else 0
+        self._interventions += self._turn_steps == 1
+        if (
+            self._steps >= MIN_STEPS
+            and self._interventions >= MIN_INTERVENTIONS
+            and self._turn_steps >= MIN_TURN_STEPS
+        ):
             self.struck.set()
             self.taken.wait()
 
@@ -173,7 +146,7 @@ def drive(
 def photograph(page: Page, address: str, pose: Pose, run: Future[None]) -> bytes:
     """A PNG of the page once it shows the pose; raises what ended `run` before that."""
     page.goto(address)
-    _wait_until(lambda: pose.struck.is_set() or run.done(), page)
+    wait_until(lambda: pose.struck.is_set() or run.done(), "intervention", page, POSE_TIMEOUT_S)
     if run.done():
         run.result()
     page.wait_for_selector("canvas")
@@ -213,18 +186,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             png = photograph(page, dashboard.address, pose, run)
         finally:
             pose.taken.set()
-    # 256 colours are enough for what is drawn, and a third of the size.
-    image = Image.open(io.BytesIO(png)).convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    # 256 colours are enough for what is drawn, at a third of the size; a rare one is kept, too.
+    image = Image.open(io.BytesIO(png)).convert("RGB")
+    image = image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     image.save(options.out, optimize=True)
     print(f"{options.out}: {image.width}x{image.height}, {options.out.stat().st_size / 1e3:.0f} kB")
     return 0
-
-
-def _wait_until(condition: Callable[[], bool], page: Page) -> None:
-    while not condition():
-        # Not time.sleep, because the page's events are handled in here.
-        page.wait_for_timeout(50)
 
 
 if __name__ == "__main__":

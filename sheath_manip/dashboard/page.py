@@ -69,12 +69,13 @@ class Page:
         if moment.training is not self._levels_of:
             self._levels = None if moment.training is None else plane_levels(moment.training)
             self._levels_of = moment.training
-        if self._support_of[0] is not moment.scene or self._support_of[1] is not moment.training:
-            ground = ground_of(moment.scene, moment.body_poses)
+        scene = self._scene.shown
+        if self._support_of[0] is not scene or self._support_of[1] is not moment.training:
+            ground = ground_of(scene, moment.body_poses)
             drawable = ground is not None or self._levels is not None
             training = np.zeros((0, 2)) if moment.training is None else moment.training
             self._support = SupportPicture(ground, training, self._levels) if drawable else None
-            self._support_of = (moment.scene, moment.training)
+            self._support_of = (scene, moment.training)
         if self._support is not None:
             positions = np.array([(x, y) for x, y, _ in moment.trail]).reshape(-1, 2)
             track = Track(positions, tuple(actor for _, _, actor in moment.trail))

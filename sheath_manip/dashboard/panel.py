@@ -6,6 +6,7 @@ from html import escape
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from viser.uplot import Axis
 
 from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.tally import HISTORY_STEPS, Figures, Scored, Share
@@ -14,13 +15,13 @@ from sheath_manip.types import Actor, GateDecision, Outcome, TaskSpec
 
 SCORE_PLOT_HEIGHT_PX = 140
 PLOT_FONT = "12px sans-serif"
-PLOT_AXIS: viser.uplot.Axis = {
-    "font": PLOT_FONT,
-    "labelFont": PLOT_FONT,
-    "stroke": palette.css(palette.GREY),
-    "ticks": {"show": False},
-}
-CAMERA_WIDTH_PX = 240
+PLOT_AXIS = Axis(
+    font=PLOT_FONT,
+    labelFont=PLOT_FONT,
+    stroke=palette.css(palette.GREY),
+    ticks={"show": False},
+)
+CAMERA_WIDTH_PX = 220
 CAMERA_MARGIN_PX = 15
 NO_PLANE = "This task has no natural plane to draw its support in."
 NO_TRAINING = "The support appears here with the first training states."
@@ -73,8 +74,8 @@ class Panel:
                 "expert": {"range": (0.0, 1.0)},
             },
             axes=(
-                {**PLOT_AXIS, "size": 28, "label": "seconds from now", "labelSize": 18},
-                {**PLOT_AXIS, "size": 44},
+                PLOT_AXIS | Axis(size=28, label="seconds from now", labelSize=18),
+                PLOT_AXIS | Axis(size=44),
             ),
             legend={"show": False},
             height=SCORE_PLOT_HEIGHT_PX,

@@ -16,8 +16,8 @@ IMAGE_TURN_WXYZ = np.array([0.0, 1.0, 0.0, 0.0])
 CAPSULE_SEGMENTS = 24
 FIELD_OF_VIEW_RAD = np.deg2rad(45.0)
 # Down at the scene from its -y side.
-VIEW_DIRECTION = np.array([0.0, np.cos(np.deg2rad(60.0)), -np.sin(np.deg2rad(60.0))])
-VIEW_MARGIN = 1.1
+VIEW_DIRECTION = np.array([0.0, np.cos(np.deg2rad(67.0)), -np.sin(np.deg2rad(67.0))])
+VIEW_MARGIN = 1.15
 
 
 class SceneView:
@@ -56,6 +56,11 @@ class SceneView:
             self._aim_camera(body_poses)
             self._aimed = True
 
+    @property
+    def shown(self) -> tuple[SceneGeom, ...]:
+        """What is shown: the same object until a scene comes that differs."""
+        return self._geoms
+
     def move(self, body_poses: NDArray[np.float64]) -> None:
         """Put every body to its place, (b, 7) as from `Environment.body_poses`."""
         with np.errstate(invalid="ignore"):
@@ -76,12 +81,12 @@ class SceneView:
         low, high = (centres - reach).min(0), (centres + reach).max(0)
         look_at = (low + high) / 2
         distance = VIEW_MARGIN * _distance_to_see(low - look_at, high - look_at)
+        # Moves the cameras of pages that are open already, too: it is the first that they hear.
         camera = self._server.initial_camera
         camera.far = max(1000.0, 10 * distance)
-        for each in (camera, *(client.camera for client in self._server.get_clients().values())):
-            each.fov = FIELD_OF_VIEW_RAD
-            each.look_at = look_at
-            each.position = look_at - distance * VIEW_DIRECTION
+        camera.fov = FIELD_OF_VIEW_RAD
+        camera.position = look_at - distance * VIEW_DIRECTION
+        camera.look_at = look_at
 
 
 def _distance_to_see(low: NDArray[np.float64], high: NDArray[np.float64]) -> float:

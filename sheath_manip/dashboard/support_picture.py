@@ -78,9 +78,9 @@ class SupportPicture:
         if not len(track.positions):
             return picture
         points = self._to_pixels(track.positions)
-        _polyline(picture, points, (255, 255, 255), 4)
+        _polyline(picture, points, (255, 255, 255), 5)
         for colour, run in _runs(track, points):
-            _polyline(picture, run, colour, 2)
+            _polyline(picture, run, colour, 3)
         # A position beyond the picture is shown on its edge.
         present = np.clip(points[-1], 6, np.array([self._width - 7, self._height - 7]))
         _disc(picture, present, 7, (255, 255, 255))
@@ -102,7 +102,7 @@ class SupportPicture:
         dotted = still.copy()
         for point in self._to_pixels(training):
             _disc(dotted, point, 1, (255, 255, 255))
-        return cv2.addWeighted(dotted, DOT_OPACITY, still, 1 - DOT_OPACITY, 0)
+        return np.asarray(cv2.addWeighted(dotted, DOT_OPACITY, still, 1 - DOT_OPACITY, 0), np.uint8)
 
     def _draw_level(self, still: NDArray[np.uint8], levels: PlaneLevels, nu: float) -> None:
         x_m, y_m = levels.x_m, levels.y_m
@@ -114,7 +114,7 @@ class SupportPicture:
         slope = np.hypot(*np.gradient(field))
         pixels_inside = field / np.maximum(slope, 1e-9)
         tinted = TINT_OPACITY * np.clip(pixels_inside + 0.5, 0, 1)
-        outlined = OUTLINE_OPACITY * np.clip(1.5 - np.abs(pixels_inside), 0, 1)
+        outlined = OUTLINE_OPACITY * np.clip(1.2 - np.abs(pixels_inside), 0, 1)
         opacity = np.maximum(tinted, outlined)[..., None]
         still[:] = still + opacity * (np.array(palette.SUPPORT) - still)
 

@@ -2,7 +2,6 @@
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.dataset.store import EpisodeStore
-
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
 

@@ -73,7 +73,7 @@ def run_experiment(
     """Run or resume the experiment under `runs`; write summary.json and figures to `results`.
 
     With `workers` 0 all runs in this process, one after the other, and `listeners` follow it; a
-    listener cannot follow into worker processes. `figures` names those to draw, all where it is None.
+    listener cannot follow into worker processes. `figures` names those to draw; None means all.
     Returns the summary. Raises UnknownNameError before anything runs.
     """
     console = console or Console()

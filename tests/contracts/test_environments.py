@@ -182,17 +182,19 @@ def test_a_state_is_restored_to_the_bit(environment):
 def test_ends_by_its_time_limit_at_the_latest_and_starts_again(environment):
     environment.reset(1)
     state = environment.state()
-    for number in range(1, environment.spec.max_steps + 1):
+    steps, ended, terminated = 0, False, False
+    while not ended:
         transition = environment.step(middle(environment))
-        if transition.terminated or transition.truncated:
-            break
-    assert transition.terminated or transition.truncated
-    assert transition.truncated == (number == environment.spec.max_steps)
-    assert (environment.outcome() is Outcome.TIME_LIMIT) == (not transition.terminated)
+        steps += 1
+        terminated, ended = transition.terminated, transition.terminated or transition.truncated
+    assert steps <= environment.spec.max_steps
+    assert terminated or steps == environment.spec.max_steps
+    assert (environment.outcome() is Outcome.TIME_LIMIT) == (not terminated)
     # Neither a restored nor a new episode inherits the end.
     environment.restore(state)
     again = environment.step(middle(environment))
-    assert not (again.terminated or again.truncated)
+    assert not again.terminated
+    assert not again.truncated
     assert again.observation.time_s == pytest.approx(1 / environment.spec.control_rate_hz)
     environment.reset(1)
     np.testing.assert_array_equal(environment.state(), state)

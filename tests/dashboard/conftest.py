@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.types import (
@@ -24,6 +25,7 @@ from sheath_manip.types import (
     TaskSpec,
     Transition,
 )
+from tools.chromium import chromium_page
 
 TOKEN = "a-token-for-tests"
 EXTENT_M = 40.0
@@ -197,3 +199,9 @@ def token() -> str:
 def dashboard() -> Iterator[Dashboard]:
     with Dashboard(SPEC, port=0, token=TOKEN) as opened:
         yield opened
+
+
+@pytest.fixture(scope="module")
+def browser_page() -> Iterator[Page]:
+    with chromium_page() as page:
+        yield page

@@ -1,16 +1,23 @@
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sheath_manip.aggregate import LearningRun
 from sheath_manip.dashboard import Dashboard, replay
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.tally import Tally
+from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Listener
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Step
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Step
+from tests.dashboard.conftest import TOKEN
+from tests.toy import CORRIDOR, PLAN, Corridor
 
 
 def eventually(condition: Callable[[], bool], timeout_s: float = 5.0) -> bool:
@@ -83,6 +90,33 @@ def test_close_releases_a_paused_run(
 def test_training_of_a_wrong_shape_is_an_error(dashboard: Dashboard) -> None:
     with pytest.raises(ParameterError, match=r"\(4, 3\); wanted \(n, 2\)"):
         dashboard.show_training(np.zeros((4, 3)))
+
+
+def test_fit_shows_its_states_in_the_plane(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
+    dashboard.on_start(environment, episode.info)
+    features = np.arange(12, dtype=np.float32).reshape(4, 3)
+    for states in (features[:2], features):
+        dashboard.on_fit(Samples({}, states, np.zeros((len(states), 1), np.float32), np.arange(4)))
+        moment = dashboard._latest()
+        assert moment is not None
+        assert moment.training is not None
+        # x_m and y_m are the second and the third feature.
+        assert moment.training.tolist() == states[:, 1:].tolist()
+
+
+def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None:
+    # A linear policy on pixels: quickly fitted.
+    plan = replace(PLAN, policy="hog-svm", embedding="pixels")
+    store = EpisodeStore.create(tmp_path / "store")
+    with Dashboard(Corridor().spec, port=0, token=TOKEN) as dashboard:
+        LearningRun(CORRIDOR, plan, 0, tmp_path, store, listeners=(dashboard,)).prepare()
+        moment = dashboard._latest()
+    demonstrations = samples_from(store.episodes(Purpose.DEMONSTRATION))
+    assert moment is not None
+    assert moment.training is not None
+    assert moment.training.tolist() == demonstrations.features.tolist()
 
 
 def test_drawer_outlives_failures(caplog: pytest.LogCaptureFixture) -> None:
@@ -178,6 +212,9 @@ def test_demonstration_is_no_intervention(episode: Episode) -> None:
 class Log(Listener):
     def __init__(self) -> None:
         self.told: list[tuple[str, float]] = []
+
+    def on_fit(self, states: Samples) -> None:
+        self.told.append(("fit", len(states)))
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         self.told.append((f"start {info.method}", environment.state()[0]))

@@ -1,55 +1,18 @@
 """The page as Chromium shows it; the server's state is asserted first, the page's second."""
 
 import threading
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from numpy.typing import NDArray
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard, replay
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
+from tools.chromium import wait_until
 
 pytestmark = pytest.mark.browser
-
-CHROMIUM = Path("/usr/bin/chromium")
-TIMEOUT_MS = 60_000
-# Mesa draws in software some forty times as fast as Chromium's own SwiftShader.
-FLAGS = [
-    "--use-gl=angle",
-    "--use-angle=gl-egl",
-    "--ignore-gpu-blocklist",
-    "--no-sandbox",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-dev-shm-usage",
-]
-
-
-@pytest.fixture(scope="module")
-def browser_page() -> Iterator[Page]:
-    if not CHROMIUM.exists():
-        pytest.fail(f"{CHROMIUM} is missing; `apt-get install chromium` or `make test` installs it")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1400, "height": 900})
-        page.set_default_timeout(TIMEOUT_MS)
-        yield page
-        browser.close()
-
-
-def wait_until(condition: Callable[[], bool], what: str, page: Page) -> None:
-    deadline_s = time.monotonic() + TIMEOUT_MS / 1000
-    while not condition():
-        assert time.monotonic() < deadline_s, f"no {what} within {TIMEOUT_MS / 1000:.0f} s"
-        # Not time.sleep, because the page's events are handled in here.
-        page.wait_for_timeout(50)
 
 
 def test_page_shows_and_pauses_a_run(
@@ -64,7 +27,13 @@ def test_page_shows_and_pauses_a_run(
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     dashboard.show_training(training)
-    run = threading.Thread(target=replay, args=(dashboard, environment, episode, 1.0))
+    enough = threading.Event()
+
+    def replay_again_and_again() -> None:
+        while not enough.is_set():
+            replay(dashboard, environment, episode, 1.0)
+
+    run = threading.Thread(target=replay_again_and_again, daemon=True)
     page.goto(dashboard.address)
     run.start()
 
@@ -83,8 +52,9 @@ def test_page_shows_and_pauses_a_run(
     page.get_by_role("button", name="Pause").click()
     wait_until(lambda: dashboard.paused, "pause at the server", page)
     page.get_by_role("button", name="Resume").wait_for()
-    page.screenshot(path=tmp_path / "dashboard.png", timeout=TIMEOUT_MS)
+    page.screenshot(path=tmp_path / "dashboard.png")
     assert run.is_alive()
+    enough.set()
     page.get_by_role("button", name="Resume").click()
     wait_until(lambda: not dashboard.paused, "resumption at the server", page)
 

@@ -65,10 +65,12 @@ def test_brings_a_displaced_car_back_to_the_middle(
     # On a straight, before a corner, in one, and at its end.
     for s_m in (0.0, 11.0, 20.0, 27.0):
         displaced(environment, task, s_m, lateral_m, np.deg2rad(turned_deg))
+        observation = environment.observe()
         for _ in range(25):
-            transition = environment.step(expert.act(environment.observe()))
+            transition = environment.step(expert.act(observation))
+            observation = transition.observation
             assert not transition.terminated, f"s {s_m} m"
-        x, y, heading = transition.observation.features
+        x, y, heading = observation.features
         _, lateral, road = task.track.coordinates(x, y)
         assert abs(lateral) < 1.0
         assert np.cos(heading - road) > np.cos(np.deg2rad(25.0))

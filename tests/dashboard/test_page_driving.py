@@ -1,0 +1,96 @@
+"""The page on the real driving task: what Chromium shows of a car that the expert takes over."""
+
+import threading
+from typing import cast
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.dashboard import Dashboard
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.gates.support import SupportGate
+from sheath_manip.protocols import Policy
+from sheath_manip.rollout import rollout
+from sheath_manip.types import EpisodeInfo, Observation, Purpose
+from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.expert import DrivingExpert
+from tasks.driving.task import DrivingTask, Scenario
+from tools.chromium import wait_until
+
+pytestmark = pytest.mark.browser
+
+SCENARIO = Scenario(laps=0.3)
+
+
+def score(observation: Observation) -> float:
+    """Outside for half a second in each one and a half."""
+    return float(np.sin(2 * np.pi * observation.time_s / 1.5) + 0.5)
+
+
+def drive(dashboard: Dashboard, enough: threading.Event) -> None:
+    """Short episodes under a scripted gate, until there were enough."""
+    environment = ComposerEnvironment(DrivingTask(SCENARIO))
+    expert = DrivingExpert(environment)
+    pacing = Pacing()
+    index = 0
+    while not enough.is_set():
+        info = EpisodeInfo("driving", index, Purpose.LEARNING, 10.0, method="sheath", index=index)
+        rollout(
+            environment,
+            info,
+            SupportGate(score, threshold=0.0),
+            rng=np.random.default_rng(0),
+            # All that a rollout asks of a policy is to act.
+            policy=cast(Policy, expert),
+            expert=expert,
+            listeners=(dashboard, pacing),
+        )
+        index += 1
+    environment.close()
+
+
+def training_on(task: DrivingTask) -> Samples:
+    """As if 300 labelled states lay around the lap."""
+    along = np.linspace(0, task.track.lap_length, 300)
+    poses = task.track.pose(along, np.random.default_rng(0).normal(0, 0.8, 300))
+    return Samples({}, poses.astype(np.float32), np.zeros((300, 1), np.float32), np.zeros(300, int))
+
+
+def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
+    page, enough = browser_page, threading.Event()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    task = DrivingTask(SCENARIO)
+    with Dashboard(task.spec, port=0) as dashboard:
+        panel = dashboard._page.panel
+        dashboard.on_fit(training_on(task))
+        run = threading.Thread(target=drive, args=(dashboard, enough), daemon=True)
+        page.goto(dashboard.address)
+        wait_until(lambda: dashboard._page.watched, "browser at the server", page)
+        run.start()
+
+        def interventions() -> int:
+            figures = dashboard._tally.figures
+            return figures.series.interventions if figures else 0
+
+        wait_until(lambda: interventions() > 1, "interventions", page)
+        wait_until(lambda: panel._scores.visible, "scores", page)
+        wait_until(lambda: panel._support.visible, "support picture", page)
+        wait_until(lambda: panel._cameras["overhead"].visible, "camera image", page)
+
+        page.locator("canvas").first.wait_for()
+        page.locator(".u-over").wait_for()
+        page.get_by_text("What the policy sees").wait_for()
+        # The support picture and the camera's image.
+        page.wait_for_function(
+            "[...document.images].filter(image => image.naturalWidth > 100).length >= 2"
+        )
+        counts = page.get_by_role("row").filter(has_text="all sheath learning").get_by_role("cell")
+        wait_until(lambda: int(counts.nth(1).inner_text()) > 1, "count on the page", page)
+        assert not panel._trouble.visible
+        enough.set()
+        run.join(30)
+    assert not run.is_alive()
+    assert not errors

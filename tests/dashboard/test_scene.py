@@ -1,0 +1,36 @@
+import numpy as np
+
+from sheath_manip.dashboard import Dashboard
+from sheath_manip.dashboard.scene import FIELD_OF_VIEW_RAD, SceneView
+from sheath_manip.protocols import Environment
+
+
+def test_camera_sees_all_that_stands_on_the_ground(
+    dashboard: Dashboard, environment: Environment
+) -> None:
+    server = dashboard._server.viser
+    environment.reset(0)
+    poses = environment.body_poses()
+    SceneView(server).build(environment.scene(), poses)
+    camera = server.initial_camera
+    forward = camera.look_at - camera.position
+    forward /= np.linalg.norm(forward)
+    seen = poses[1:, :3] - camera.position
+    ahead = seen @ forward
+    aside = np.linalg.norm(seen - np.outer(ahead, forward), axis=1)
+    assert (ahead > 0).all()
+    assert np.arctan2(aside, ahead).max() < FIELD_OF_VIEW_RAD / 2
+    # The ground is three times as wide; the camera does not step back for it.
+    assert np.linalg.norm(camera.look_at - camera.position) < 60
+
+
+def test_camera_is_aimed_once(dashboard: Dashboard, environment: Environment) -> None:
+    view = SceneView(dashboard._server.viser)
+    view.build(environment.scene(), environment.body_poses())
+    aimed = dashboard._server.viser.initial_camera.position
+    shown = view.shown
+    view.build(list(environment.scene()), environment.body_poses())
+    assert view.shown is shown
+    view.build(environment.scene()[1:], environment.body_poses())
+    assert view.shown is not shown
+    assert dashboard._server.viser.initial_camera.position is aimed

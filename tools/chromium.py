@@ -1,0 +1,54 @@
+"""Headless Chromium on the dashboard, for browser tests and screenshots."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Page, sync_playwright
+
+from sheath_manip.exceptions import SetupError
+
+CHROMIUM = Path("/usr/bin/chromium")
+# Mesa draws in software some forty times as fast as Chromium's own SwiftShader.
+FLAGS = (
+    "--use-gl=angle",
+    "--use-angle=gl-egl",
+    "--ignore-gpu-blocklist",
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+)
+SIZE_PX = (1400, 900)
+TIMEOUT_S = 60.0
+
+
+@contextmanager
+def chromium_page() -> Iterator[Page]:
+    """An empty page of a headless Chromium; raises SetupError where there is none."""
+    if not CHROMIUM.exists():
+        raise SetupError(
+            f"{CHROMIUM} is missing; `apt-get install chromium` or `make browser` installs it"
+        )
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        page = browser.new_page(viewport={"width": SIZE_PX[0], "height": SIZE_PX[1]})
+        page.set_default_timeout(1000 * TIMEOUT_S)
+        yield page
+        browser.close()
+
+
+def wait_until(
+    condition: Callable[[], bool], what: str, page: Page, timeout_s: float = TIMEOUT_S
+) -> None:
+    """Wait for something beside the page; raises TimeoutError naming `what`."""
+    deadline_s = time.monotonic() + timeout_s
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise TimeoutError(f"no {what} within {timeout_s:.0f} s")
+        # Not time.sleep, because the page's events are handled in here.
+        page.wait_for_timeout(50)
