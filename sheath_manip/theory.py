@@ -29,7 +29,12 @@ class Bound:
 
     @property
     def value(self) -> float:
-        """T (epsilon_N + xi); each visited state is either outside (loss at most 1) or inside."""
+        """T (epsilon_N + xi): a visited state is outside, where the loss is at most 1, or inside.
+
+        It bounds J only as far as the loss inside is epsilon's: on driving it is not, since the
+        fitted policy errs three times as often on new states of the support as on those it was
+        fitted to.
+        """
         return self.horizon * (self.epsilon + self.xi)
 
 

@@ -164,7 +164,9 @@ def test_under_a_support_gate_each_acts_in_its_own_states(query):
     ids=["nan", "out of bounds", "infinite", "too long", "no axis", "none", "text", "ragged"],
 )
 @pytest.mark.parametrize(
-    "gate", [AlwaysPolicy(), Mixture(0.0), SupportGate(lambda _: 1.0, 0.0)], ids=lambda g: str(g)
+    "gate",
+    [AlwaysPolicy(), Mixture(0.0), SupportGate(lambda _: 1.0, 0.0)],
+    ids=lambda g: type(g).__name__,
 )
 def test_a_proposal_that_is_no_action_hands_the_step_to_the_expert(gate, proposal):
     policy = Scripted(lambda index: proposal if index == 3 else CHOICES[1])
@@ -193,7 +195,9 @@ def test_the_loop_does_not_trust_a_gate_with_an_invalid_proposal():
     assert {step.decision.actor for step in episode.steps} == {Actor.EXPERT}
 
 
-@pytest.mark.parametrize("gate", [AlwaysPolicy(), SupportGate(lambda _: 1.0, 0.0)], ids=str)
+@pytest.mark.parametrize(
+    "gate", [AlwaysPolicy(), SupportGate(lambda _: 1.0, 0.0)], ids=lambda g: type(g).__name__
+)
 def test_a_gate_that_wants_a_policy_says_so(gate):
     with pytest.raises(ParameterError, match="wants a policy"):
         run(gate, None, Scripted(lambda _: CHOICES[1]))

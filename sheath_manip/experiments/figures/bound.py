@@ -39,12 +39,23 @@ def bound(summary: Mapping[str, Any], path: Path) -> None:
         for axes, (name, method) in zip(grid, methods.items(), strict=False):
             _parts(axes, method["rounds"])
             axes.set_title(shown(name))
-            axes.set_ylim(bottom=0)
             round_axis(axes, last_round(summary), label=False)
             axes.set_xlabel("round")
+        # Once for all panels: they share the axis, and the first alone would cut the others off.
+        grid[0].set_ylim(0, 1.08 * _highest(methods))
         grid[0].set_ylabel("control steps of an episode")
         handles, labels = grid[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+
+
+def _highest(methods: Mapping[str, Any]) -> float:
+    values = [
+        entry[key]
+        for method in methods.values()
+        for entry in method["rounds"]
+        for key in ("bound", "measured")
+    ]
+    return max((value for value in values if value is not None), default=0.0) or 1.0
 
 
 def _parts(axes: Axes, rounds: list[Mapping[str, Any]]) -> None:
