@@ -33,8 +33,8 @@ from sheath_manip.support.vectors import (
     squared_distances,
 )
 
-# A smaller offset is not told from 0: sums are float32, and libsvm solves to 1e-6. Without errors it
-# is at least 1 / max_points, as a square of duals that sum to 1.
+# A smaller offset is not told from 0: sums are float32, and libsvm solves to 1e-6. Without errors
+# it is at least 1 / max_points, the least square sum of duals that sum to 1.
 LEAST_RHO = 1e-4
 
 

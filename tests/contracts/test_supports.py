@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.plan import LearningPlan
+from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support import SUPPORTS, make_support, planned_support
 
-# They train a network, of which hypothesis' many fits need only a rough one.
+# They train a network; what holds for every fit holds for a rough one.
 STEPS = {"reconstruction": 50, "distillation": 50}
 
 
@@ -23,7 +24,7 @@ def points() -> np.ndarray:
     return np.random.default_rng(0).normal(size=(300, 8))
 
 
-def quick(name: str, nu: float):
+def quick(name: str, nu: float = 0.05) -> SupportEstimator:
     return make_support(name, nu=nu, **({"steps": STEPS[name]} if name in STEPS else {}))
 
 
@@ -89,7 +90,7 @@ def test_far_away_is_outside_for_every_fit(name, X, nu, seed):
 
 
 def test_what_is_not_finite_scores_nan(name, points):
-    support = make_support(name).fit(points)
+    support = quick(name).fit(points)
     rows = np.zeros((4, 8))
     rows[1, 3], rows[2, 0], rows[3, 1] = np.nan, np.inf, -np.inf
     assert np.isnan(support.decision_function(rows)).tolist() == [False, True, True, True]
@@ -98,10 +99,10 @@ def test_what_is_not_finite_scores_nan(name, points):
 
 def test_is_repeatable_and_loads(name, points):
     agrees = np.random.default_rng(1).random(300) < 0.9
-    support = make_support(name).fit(points, agrees)
+    support = quick(name).fit(points, agrees)
     scores = support.decision_function(points)
-    loaded = make_support(name).load(support.arrays())
-    for other in (support, make_support(name).fit(points, agrees), loaded):
+    loaded = quick(name).load(support.arrays())
+    for other in (support, quick(name).fit(points, agrees), loaded):
         np.testing.assert_array_equal(other.decision_function(points), scores)
     for key, array in support.arrays().items():
         assert array.dtype.kind in "fi", key
@@ -109,13 +110,13 @@ def test_is_repeatable_and_loads(name, points):
 
 
 def test_one_row_scores_as_among_many(name, points):
-    support = make_support(name).fit(points)
+    support = quick(name).fit(points)
     alone = [support.decision_function(points[i : i + 1])[0] for i in range(20)]
     np.testing.assert_allclose(alone, support.decision_function(points)[:20], atol=1e-5)
 
 
 def test_the_units_do_not_matter(name, points):
-    metres, millimetres = make_support(name).fit(points), make_support(name).fit(1000 * points)
+    metres, millimetres = quick(name).fit(points), quick(name).fit(1000 * points)
     rows = np.random.default_rng(3).normal(0, 2, size=(200, 8))
     np.testing.assert_allclose(
         millimetres.decision_function(1000 * rows), metres.decision_function(rows), atol=1e-3
@@ -124,7 +125,7 @@ def test_the_units_do_not_matter(name, points):
 
 def test_agreement_everywhere_is_the_default(name, points):
     default, stated = (
-        make_support(name).fit(points, agrees).decision_function(points)
+        quick(name).fit(points, agrees).decision_function(points)
         for agrees in (None, np.ones(300, dtype=bool))
     )
     np.testing.assert_array_equal(default, stated)
@@ -132,14 +133,14 @@ def test_agreement_everywhere_is_the_default(name, points):
 
 def test_agreement_matters_where_it_is_used(name, points):
     agrees = points[:, 0] < 0.5
-    support = make_support(name)
-    plain = make_support(name).fit(points).decision_function(points)
+    support = quick(name)
+    plain = quick(name).fit(points).decision_function(points)
     told = support.fit(points, agrees).decision_function(points)
     assert np.array_equal(plain, told) == (not support.uses_agreement)
 
 
 def test_no_rows_give_no_scores(name, points):
-    assert make_support(name).fit(points).decision_function(points[:0]).shape == (0,)
+    assert quick(name).fit(points).decision_function(points[:0]).shape == (0,)
 
 
 @pytest.mark.parametrize(
@@ -149,26 +150,26 @@ def test_no_rows_give_no_scores(name, points):
 )
 def test_data_it_cannot_fit_is_named_in_one_line(name, data):
     with pytest.raises(ParameterError, match="wanted") as caught:
-        make_support(name).fit(data)
+        quick(name).fit(data)
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("nu", [0.0, -0.1, 1.5, float("nan")])
 def test_nu_outside_its_range(name, nu, points):
     with pytest.raises(ParameterError, match=r"^nu is .* wanted a share"):
-        make_support(name, nu=nu).fit(points)
+        quick(name, nu).fit(points)
 
 
 def test_rows_of_another_width_are_refused(name, points):
     with pytest.raises(ParameterError, match=r"wanted \(n, 8\)"):
-        make_support(name).fit(points).decision_function(points[:, :5])
+        quick(name).fit(points).decision_function(points[:, :5])
 
 
 def test_arrays_that_do_not_belong_together_are_refused(name, points):
-    arrays = dict(make_support(name).fit(points).arrays())
+    arrays = dict(quick(name).fit(points).arrays())
     arrays["center"] = np.zeros(3)
     with pytest.raises(ParameterError, match="wanted"):
-        make_support(name).load(arrays)
+        quick(name).load(arrays)
 
 
 def test_a_plan_makes_it(name):

@@ -11,7 +11,6 @@ from sheath_manip.support import OneClassSupport
 from sheath_manip.support.agreeing_states import AgreeingSupport
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
 
-
 # daqp gives up on the nearly singular kernel of many points in a plane without it.
 RIDGE = 1e-8
 
