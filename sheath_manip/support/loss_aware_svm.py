@@ -1,7 +1,7 @@
 """SHIV's one-class SVM: outside is what is unlike the training states OR like the policy's errors.
 
-Laskey et al. 2016, 'SHIV: Reducing supervisor burden in DAgger using support vectors' (ICRA), sec.
-IV: each training state carries y_i = +1 where the policy agrees with the expert and -1 where not;
+Laskey et al. 2016, 'SHIV: Reducing supervisor burden in DAgger using support vectors' (ICRA):
+each training state carries y_i = +1 where the policy agrees with the expert and -1 where not;
 
     min ½ αᵀKα with K_ij = y_i y_j k(x_i, x_j), Σα_i = 1, 0 <= α_i <= 1/(ν m) where y_i = +1
     and <= 1/(ν_error m) where y_i = -1; inside where Σ y_i α_i k(x_i, x) > ρ.
