@@ -23,11 +23,12 @@ from sheath_manip.methods import METHODS, Method, RoundContext, method_named
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import make_embedding, make_policy
+from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.protocols import Environment, Gate, Listener, Policy
 from sheath_manip.results import RoundResult, read_result, write_result
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed, seed_for
-from sheath_manip.support import make_support
+from sheath_manip.support import planned_support
 from sheath_manip.support.calibration import held_out_threshold
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose
@@ -207,12 +208,24 @@ class LearningRun:
         if path.exists():
             return self._fitted(load_checkpoint(path, spec), states)
         plan = self.plan
-        policy = make_policy(plan.policy, spec, seed_for("policy", self.run_seed))
+
+        def fresh_policy() -> Policy:
+            return make_policy(plan.policy, spec, seed_for("policy", self.run_seed))
+
+        policy = fresh_policy()
         if previous is not None:
             policy.load(previous.policy.arrays())
         policy.fit(states)
         checkpoint = fit_gate(
-            policy, states, calibration, plan, spec.name, method, number, self.run_seed
+            policy,
+            states,
+            calibration,
+            plan,
+            spec.name,
+            method,
+            number,
+            self.run_seed,
+            fresh_policy,
         )
         checkpoint.save(path)
         # Read back, so that a resumed run continues from the same bits as an uninterrupted one.
@@ -322,14 +335,25 @@ def fit_gate(
     method: str = "",
     number: int = 0,
     run_seed: int = 0,
+    fresh_policy: Callable[[], Policy] | None = None,
 ) -> Checkpoint:
     """Fit embedding and support to the policy's training `states`, and calibrate the threshold.
 
-    `calibration` holds expert episodes that no fit has seen, one `Samples` each.
+    `calibration` holds expert episodes that no fit has seen, one `Samples` each. `fresh_policy`
+    makes an unfitted policy of the same kind; a support that wants to know where the policy is
+    right needs it, and then it is fitted anew on each fold of the episodes.
     """
     embedding = make_embedding(plan.embedding).fit(policy, states)
-    support = make_support(plan.support, nu=plan.nu, bandwidth_factor=plan.bandwidth_factor)
-    support.fit(embedding.transform(states.images, states.features))
+    support = planned_support(plan)
+    agrees = None
+    if support.uses_agreement:
+        if fresh_policy is None:
+            raise ParameterError(
+                f"support {plan.support!r} asks where the policy is right on held-out episodes; "
+                "wanted `fresh_policy`, to fit it anew"
+            )
+        agrees = held_out_agreement(fresh_policy, states)
+    support.fit(embedding.transform(states.images, states.features), agrees)
     checkpoint = Checkpoint(
         task=task,
         policy_name=plan.policy,

@@ -1,7 +1,7 @@
 """The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,12 +136,22 @@ class Embedding(Protocol):
 class SupportEstimator(Protocol):
     """Says how far inside the training data's support a vector lies."""
 
-    def fit(self, X: NDArray) -> Self:
-        """Fit to (n, d) vectors."""
+    uses_agreement: ClassVar[bool]
+    """whether `fit` looks at `agrees`, which is expensive to come by"""
+
+    def fit(self, X: NDArray, agrees: NDArray | None = None) -> Self:
+        """Fit to (n, d) vectors.
+
+        `agrees` is (n,) bool: whether the policy does there as the expert would, judged by a fit
+        that has not seen the state (`policies.agreement`). None: it does everywhere.
+        """
         ...
 
     def decision_function(self, X: NDArray) -> NDArray[np.float64]:
-        """(n,) scores, positive inside; a row that is not finite scores NaN."""
+        """(n,) scores, positive inside; a row that is not finite scores NaN.
+
+        -inf is outside whatever the threshold.
+        """
         ...
 
     def arrays(self) -> Arrays:

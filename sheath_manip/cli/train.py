@@ -71,14 +71,14 @@ class Train:
         from sheath_manip.dataset.samples import samples_from
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.policies import make_embedding, make_policy
-        from sheath_manip.support import make_support
+        from sheath_manip.support import planned_support
 
         with opened(task, "default") as environment:
             spec = environment.spec
         # Before the fit, which takes its time, so that a wrong name is told at once.
         policy = make_policy(plan.policy, spec, seed=self.seed)
         make_embedding(plan.embedding)
-        make_support(plan.support, nu=plan.nu, bandwidth_factor=plan.bandwidth_factor)
+        planned_support(plan)
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
@@ -90,7 +90,15 @@ class Train:
         with session.err.status(f"fitting {plan.policy} to {len(states)} states"):
             policy.fit(states)
         with session.err.status(f"fitting {plan.support} on {plan.embedding}"):
-            fitted = fit_gate(policy, states, calibration, plan, spec.name, run_seed=self.seed)
+            fitted = fit_gate(
+                policy,
+                states,
+                calibration,
+                plan,
+                spec.name,
+                run_seed=self.seed,
+                fresh_policy=lambda: make_policy(plan.policy, spec, seed=self.seed),
+            )
         fitted.save(self.checkpoint)
 
         alarms = [float(np.mean(~(fitted.scores(s) >= fitted.threshold))) for s in calibration]

@@ -1,14 +1,30 @@
 """Support estimators by name, and the calibration of their threshold."""
 
+import inspect
 from collections.abc import Callable
 from typing import Any
 
 from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import SupportEstimator
+from sheath_manip.support.agreeing_states import AgreeingSupport
+from sheath_manip.support.distillation import DistillationSupport
+from sheath_manip.support.kernel_density import KernelDensitySupport
+from sheath_manip.support.loss_aware_svm import LossAwareSupport
+from sheath_manip.support.mahalanobis import MahalanobisSupport
+from sheath_manip.support.neighbors import NeighborSupport
 from sheath_manip.support.one_class_svm import OneClassSupport
+from sheath_manip.support.reconstruction import ReconstructionSupport
 
 SUPPORTS: dict[str, Callable[..., SupportEstimator]] = {
     "one-class-svm": OneClassSupport,
+    "loss-aware-svm": LossAwareSupport,
+    "agreeing-svm": AgreeingSupport,
+    "neighbors": NeighborSupport,
+    "kernel-density": KernelDensitySupport,
+    "mahalanobis": MahalanobisSupport,
+    "reconstruction": ReconstructionSupport,
+    "distillation": DistillationSupport,
 }
 """Called with hyperparameters by name."""
 
@@ -20,3 +36,11 @@ def make_support(name: str = DEFAULT_SUPPORT, **hyperparameters: Any) -> Support
     if name not in SUPPORTS:
         raise UnknownNameError("support estimator", name, SUPPORTS)
     return SUPPORTS[name](**hyperparameters)
+
+
+def planned_support(plan: LearningPlan) -> SupportEstimator:
+    """A fresh estimator as `plan` wants it; its bandwidth factor is for those that have one."""
+    support = make_support(plan.support, nu=plan.nu)
+    if "bandwidth_factor" not in inspect.signature(type(support)).parameters:
+        return support
+    return make_support(plan.support, nu=plan.nu, bandwidth_factor=plan.bandwidth_factor)

@@ -1,4 +1,9 @@
-"""The gate's threshold, from expert episodes that neither policy nor support was fitted to."""
+"""The gate's threshold: from a rate of false alarms, or from how much the expert may work.
+
+The first two look at expert episodes that neither policy nor support was fitted to. Once calibrated
+on them a threshold may stay while the support is refitted less and less (CRSAIL, 2025), or be found
+again each round; a budget, which looks at what the policy visits, must be found again each round.
+"""
 
 from collections.abc import Sequence
 
@@ -33,19 +38,14 @@ def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: f
     Raises:
         ParameterError: too few episodes or steps for the rate, or a rate outside its range.
     """
-    if not 0 < false_alarm_rate < 1:
-        raise ParameterError(
-            f"false_alarm_rate is {false_alarm_rate}; wanted a share between 0 and 1, like 0.05"
-        )
-    episodes = [np.asarray(scores, dtype=np.float64).ravel() for scores in scores_by_episode]
-    episodes = [scores for scores in episodes if len(scores)]
+    _check_between("false_alarm_rate", false_alarm_rate)
+    episodes = _scored(scores_by_episode)
     if len(episodes) < LEAST_EPISODES:
         raise ParameterError(
             f"{len(episodes)} held-out episodes with scores cannot calibrate a threshold; "
             f"wanted at least {LEAST_EPISODES}"
         )
     scores = np.concatenate(episodes)
-    scores[np.isnan(scores)] = -np.inf
     steps = len(scores)
     weights = np.concatenate(
         [
@@ -67,3 +67,78 @@ def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: f
             "with scores"
         )
     return threshold
+
+
+def episode_threshold(scores_by_episode: Sequence[NDArray], alarm_probability: float) -> float:
+    """The threshold at which a new expert episode alarms ANYWHERE with at most this probability.
+
+    Split conformal prediction on the lowest score of each episode (Vovk, Gammerman & Shafer 2005,
+    'Algorithmic learning in a random world'): of K minima the floor(alarm_probability * (K + 1))-th
+    lowest. An episode alarms where a score is below the threshold or NaN.
+
+    What is promised: if the episodes are exchangeable with the new one, the probability over all of
+    them. Steps within an episode may depend on each other as they like. What is not: see
+    `held_out_threshold`.
+
+    Args:
+        scores_by_episode: K >= 1 / alarm_probability - 1 arrays of support scores, (n_k,) each.
+        alarm_probability: between 0 and 1, both excluded.
+
+    Raises:
+        ParameterError: too few episodes with scores for the probability, or one outside its range.
+    """
+    _check_between("alarm_probability", alarm_probability)
+    minima = np.sort([scores.min() for scores in _scored(scores_by_episode)])
+    # 0.1 * (9 + 1) is a little above or below 1 by rounding.
+    rank = int(np.floor(alarm_probability * (len(minima) + 1) + 1e-9))
+    if rank == 0 or minima[rank - 1] == -np.inf:
+        missing = int(np.isneginf(minima).sum())
+        wanted = int(np.ceil((missing + 1) / alarm_probability - 1e-9)) - 1
+        raise ParameterError(
+            f"{len(minima)} held-out episodes, {missing} of them with a step without a score, "
+            f"cannot hold an alarm probability of {alarm_probability}; wanted at least {wanted}"
+        )
+    return float(minima[rank - 1])
+
+
+def budget_threshold(scores: NDArray, expert_share: float) -> float:
+    """The threshold at which the expert gets the asked share of the steps that gave `scores`.
+
+    ThriftyDAgger's budget (Hoque et al. 2021): the `expert_share`-quantile of the scores of the
+    policy's own steps in the last rounds. A step goes to the expert where its score is below the
+    threshold; a score of NaN does always.
+
+    The share holds for those steps. Once the expert takes over, and once the policy is refitted,
+    other states are visited: find the threshold again each round.
+
+    Args:
+        scores: (n,) support scores, n >= 1 / expert_share.
+        expert_share: between 0 and 1, both excluded.
+
+    Raises:
+        ParameterError: too few scores for the share, or a share outside its range.
+    """
+    _check_between("expert_share", expert_share)
+    ordered = np.sort(np.concatenate([np.empty(0), *_scored([scores])]))
+    below = int(np.floor(expert_share * len(ordered) + 1e-9))
+    if below == 0 or ordered[below] == -np.inf:
+        missing = int(np.isneginf(ordered).sum())
+        raise ParameterError(
+            f"{len(ordered)} steps, {missing} of them without a score, cannot hold an expert share "
+            f"of {expert_share}; wanted at least {int(np.ceil(1 / expert_share))} and a share of "
+            f"at least that without one"
+        )
+    return float(ordered[below])
+
+
+def _check_between(name: str, value: float) -> None:
+    if not 0 < value < 1:
+        raise ParameterError(f"{name} is {value}; wanted a share between 0 and 1, like 0.05")
+
+
+def _scored(scores_by_episode: Sequence[NDArray]) -> list[NDArray[np.float64]]:
+    """Those with steps, as copies with -inf, an alarm under any threshold, for what is missing."""
+    episodes = [np.array(scores, dtype=np.float64).ravel() for scores in scores_by_episode]
+    for scores in episodes:
+        scores[np.isnan(scores)] = -np.inf
+    return [scores for scores in episodes if len(scores)]

@@ -2,7 +2,11 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.support.calibration import held_out_threshold
+from sheath_manip.support.calibration import (
+    budget_threshold,
+    episode_threshold,
+    held_out_threshold,
+)
 
 
 def test_the_expected_share_of_new_steps_is_the_asked_rate():
@@ -66,3 +70,63 @@ def test_the_share_below_the_threshold_never_exceeds_the_rate():
 def test_what_cannot_be_calibrated(episodes, rate, message):
     with pytest.raises(ParameterError, match=message):
         held_out_threshold(episodes, rate)
+
+
+@pytest.mark.parametrize(("episodes", "alpha"), [(9, 0.1), (20, 0.1), (30, 0.25), (4, 0.2)])
+def test_an_episode_alarms_anywhere_with_at_most_the_asked_probability(episodes, alpha):
+    rng = np.random.default_rng(4)
+    alarms = []
+    for _ in range(3000):
+        # Steps of an episode resemble each other.
+        *held_out, new = rng.normal(size=(episodes + 1, 1)) + rng.normal(size=(episodes + 1, 20))
+        alarms.append((new < episode_threshold(held_out, alpha)).any())
+    assert alpha - 1 / (episodes + 1) - 0.02 < np.mean(alarms) < alpha + 0.02
+
+
+def test_an_episode_counts_by_its_lowest_score():
+    lowest = np.arange(19.0)
+    scores = [np.array([50.0, low, 60.0]) for low in lowest[::-1]]
+    assert episode_threshold(scores, 0.1) == 1.0
+    scores[0][0] = np.nan
+    assert episode_threshold(scores, 0.1) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("episodes", "alpha", "message"),
+    [
+        ([np.ones(5)] * 8, 0.1, "8 held-out episodes, 0 of them .* wanted at least 9"),
+        ([np.ones(5)] * 8 + [np.array([1, np.nan])], 0.1, "1 of them .* wanted at least 19"),
+        ([], 0.5, "0 held-out episodes"),
+        ([np.ones(5)] * 9, 1.0, "alarm_probability is 1.0; wanted"),
+    ],
+)
+def test_episodes_that_cannot_hold_the_probability(episodes, alpha, message):
+    with pytest.raises(ParameterError, match=message):
+        episode_threshold(episodes, alpha)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1, 0.3, 0.9])
+def test_the_budget_is_the_share_of_steps_below_the_threshold(share):
+    scores = np.random.default_rng(5).normal(size=1000)
+    assert (scores < budget_threshold(scores, share)).mean() == pytest.approx(share)
+
+
+def test_missing_and_equal_scores_never_overdraw_the_budget():
+    scores = np.random.default_rng(6).integers(0, 6, size=500).astype(float)
+    scores[:40] = np.nan
+    for share in (0.09, 0.3, 0.6):
+        assert (~(scores >= budget_threshold(scores, share))).mean() <= share
+
+
+@pytest.mark.parametrize(
+    ("scores", "share", "message"),
+    [
+        (np.ones(5), 0.1, "5 steps, 0 of them .* wanted at least 10"),
+        (np.r_[np.full(30, np.nan), np.ones(70)], 0.2, "30 of them without a score"),
+        (np.empty(0), 0.5, "0 steps"),
+        (np.ones(100), 0.0, "expert_share is 0.0; wanted"),
+    ],
+)
+def test_steps_that_cannot_hold_the_budget(scores, share, message):
+    with pytest.raises(ParameterError, match=message):
+        budget_threshold(scores, share)

@@ -1,0 +1,67 @@
+"""Kernel density: the log of a sum of Gaussians, one on each training state.
+
+Parzen 1962, 'On estimation of a probability density function and mode'. Every training state weighs
+alike, where the one-class SVM puts its weights on few, along the boundary.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.neighbors import KernelDensity
+
+from sheath_manip.protocols import Arrays
+from sheath_manip.support.boundary import check_least, check_positive
+from sheath_manip.support.quantile_support import QuantileSupport
+from sheath_manip.support.vectors import median_squared_distance
+
+
+class KernelDensitySupport(QuantileSupport):
+    """Log density under kernels exp(-|x - y|²/c), with c as in `OneClassSupport`."""
+
+    def __init__(
+        self,
+        nu: float = 0.05,
+        bandwidth_factor: float = 1.0,
+        max_points: int = 4000,
+        seed: int = 0,
+    ) -> None:
+        """Store the hyperparameters.
+
+        Args:
+            nu: in (0, 1]; the share of the training points outside.
+            bandwidth_factor: positive; c in units of the median squared distance.
+            max_points: of more points the kernels sit on a uniform draw of this size; the boundary
+                is the nu-quantile over all.
+            seed: of that draw, and of the one for the median distance.
+        """
+        self.nu = nu
+        self.bandwidth_factor = bandwidth_factor
+        self.max_points = max_points
+        self.seed = seed
+
+    def learn(self, Z: NDArray[np.float32]) -> NDArray[np.float64]:
+        """(n,) log densities, each vector's own kernel counted."""
+        check_positive(bandwidth_factor=self.bandwidth_factor)
+        check_least({"max_points": (self.max_points, 2)})
+        rng = np.random.default_rng(self.seed)
+        chosen = Z
+        if len(Z) > self.max_points:
+            chosen = Z[rng.choice(len(Z), self.max_points, replace=False)]
+        c = self.bandwidth_factor * median_squared_distance(chosen.astype(np.float64), rng)
+        self._place(chosen, c)
+        return self.rate(Z)
+
+    def rate(self, Z: NDArray[np.float32]) -> NDArray[np.float64]:
+        """(n,) log densities."""
+        return self.density_.score_samples(Z)
+
+    def learned(self) -> Arrays:
+        """The kernels' (m, d) centres and c, in scaled units."""
+        return {"vectors": self.vectors_, "c": np.array(self.c_)}
+
+    def take(self, arrays: Arrays) -> None:
+        """Take over `learned()`."""
+        self._place(np.asarray(arrays["vectors"], dtype=np.float32), float(arrays["c"]))
+
+    def _place(self, vectors: NDArray[np.float32], c: float) -> None:
+        self.vectors_, self.c_ = vectors, c
+        self.density_ = KernelDensity(bandwidth=float(np.sqrt(c / 2))).fit(vectors)
