@@ -164,8 +164,14 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, dict[str, NDArray]]]:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
             flat = {name: content[name] for name in content.files}
         header = json.loads(str(flat.pop("header", "{}")))
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError, TypeError) as error:
+    except OSError as error:
         raise CheckpointError(f"{path} cannot be read as a checkpoint: {error}") from error
+    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError, TypeError) as error:
+        # numpy's own words advise to unpickle what is foreign.
+        raise CheckpointError(
+            f"{path} cannot be read as a checkpoint; wanted a file that `sheath train` or an "
+            "experiment wrote"
+        ) from error
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
     if header.get("schema") != SCHEMA:
