@@ -27,6 +27,7 @@ from sheath_manip.metrics import expert_share
 from sheath_manip.policies import POLICIES
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.protocols import Listener
+from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Purpose
 from tests.toy import CORRIDOR, PLAN, Corridor
 
@@ -58,8 +59,10 @@ def learn(
 ) -> None:
     """All rounds of `methods`; also what the killed process runs."""
     POLICIES[SMALL] = small_policy()
-    for method in methods:
-        learner(directory, listeners=listeners).run(method)
+    # As in an experiment: another number of threads adds up in another order.
+    with single_threaded():
+        for method in methods:
+            learner(directory, listeners=listeners).run(method)
 
 
 def digests(directory: Path) -> dict[str, str]:
