@@ -132,12 +132,13 @@ class Panel:
 
     def show_trouble(self, failure: str) -> None:
         """Say that what is shown is out of date, or with an empty text that it is not."""
-        self._trouble.visible = bool(failure)
+        # The text first: an empty box would be seen for a moment otherwise.
         if failure:
             self._trouble.content = (
                 f'<div style="{_BOX};background:{palette.css(palette.OUTCOME[Outcome.FAILURE])}">'
                 f"<b>This page is out of date.</b><br>{escape(failure)}</div>"
             )
+        self._trouble.visible = bool(failure)
 
 
 def _enlarged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

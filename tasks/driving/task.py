@@ -217,6 +217,8 @@ class DrivingTask(SheathTask):
     def after_step(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Count the way driven, and judge."""
         self._move_traffic(physics)
+        # The step's picture is drawn from the kinematics, which knew the traffic's place before.
+        physics.forward()
         x, y, _ = self.pose(physics)
         s, lateral, _ = self.track.coordinates(x, y)
         lap = self.track.lap_length

@@ -114,9 +114,6 @@ def test_restored_it_continues_to_the_bit(road, start):
         np.testing.assert_array_equal(environment.state(), states[index + 1])
 
 
-@pytest.mark.xfail(
-    strict=True, reason="after a step the picture shows the traffic of one substep before"
-)
 def test_restored_it_looks_as_it_did(road):
     road.environment.reset(11)
     seen = road.drive(wiggle(8))[-1].observation
