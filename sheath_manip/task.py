@@ -7,6 +7,7 @@ from typing import Any
 from sheath_manip.claims import Claim
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
+from sheath_manip.probes import Probes
 from sheath_manip.protocols import Environment, Expert
 
 
@@ -26,6 +27,8 @@ class TaskEntry:
     """figures of this task alone, by name"""
     claims: Sequence[Claim] = ()
     """what is claimed of its experiment's results"""
+    probes: Probes | None = None
+    """what its gates are tested with"""
 
     def make(self, variant: str = "default") -> Environment:
         """A new environment; raises UnknownNameError."""

@@ -8,6 +8,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.driving.claims import CLAIMS
 from tasks.driving.expert import DrivingExpert
+from tasks.driving.probes import PROBES
 from tasks.driving.task import DrivingTask, Scenario
 
 
@@ -60,4 +61,5 @@ DRIVING = TaskEntry(
     },
     figures={"support.png": support_figure, "gate_map.png": gate_map_figure},
     claims=CLAIMS,
+    probes=PROBES,
 )

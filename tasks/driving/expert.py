@@ -29,6 +29,7 @@ class DrivingExpert:
         self._task = environment.task
         choices = self._task.spec.action.choices
         assert choices is not None
+        self._choices = choices
         self._search = SequenceSearch(choices, segment_steps=(1, 1, 2, 3, 5))
 
     def reset(self) -> None:
@@ -42,6 +43,10 @@ class DrivingExpert:
         """(3,) for each steering choice, how much dearer its best sequence is than the best."""
         costs = self._search.costs_of_first_actions(self._cost)
         return costs - costs.min()
+
+    def choice_of(self, action: Action) -> int:
+        """Which of the steering choices `action` (1,) is nearest to: the index into `regrets()`."""
+        return int(np.argmin(np.abs(self._choices - action).sum(axis=1)))
 
     def _cost(self, sequences: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n,) cost of (n, horizon, 1) steering sequences from the present state."""

@@ -175,6 +175,11 @@ class DrivingTask(SheathTask):
         along = self._traffic_start[:, 0] + TRAFFIC_SPEED_M_S * np.asarray(times_s)[..., None]
         return self.track.pose(along, np.broadcast_to(self._traffic_start[:, 1], along.shape))
 
+    @property
+    def traffic_start(self) -> NDArray[np.float64]:
+        """(c, 2) track coordinates (s, lateral) in metres of the other cars at time 0."""
+        return self._traffic_start.copy()
+
     def set_traffic(self, physics: mjcf.Physics, start: NDArray) -> None:
         """Lay the traffic: (c, 2) track coordinates (s, lateral) in metres at time 0."""
         self._traffic_start = np.array(start, float)
