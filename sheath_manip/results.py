@@ -12,6 +12,9 @@ from sheath_manip.metrics import EpisodeRecord
 from sheath_manip.theory import Bound
 from sheath_manip.types import Outcome
 
+EXPERT = "expert"
+"""the name under which demonstrations, calibration episodes and round 0 are stored"""
+
 
 @dataclass(frozen=True)
 class RoundResult:
@@ -60,6 +63,19 @@ def read_result(path: Path) -> RoundResult:
         raise StoreError(
             f"{path} is no result of a round ({error}); remove it to have the round measured again"
         ) from error
+
+
+def round_path(runs: Path, run_seed: int, method: str, number: int, suffix: str) -> Path:
+    """Where a round's checkpoint (`npz`) or its figures (`json`) lie under `runs`."""
+    return runs / f"s{run_seed}" / method / f"round-{number:02d}.{suffix}"
+
+
+def round_results(runs: Path, run_seed: int, method: str) -> list[RoundResult]:
+    """All rounds that a method has finished, the shared round 0 first."""
+    results = [read_result(round_path(runs, run_seed, EXPERT, 0, "json"))]
+    while (path := round_path(runs, run_seed, method, len(results), "json")).exists():
+        results.append(read_result(path))
+    return results
 
 
 def write_json(path: Path, content: Any) -> None:

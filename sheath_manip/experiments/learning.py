@@ -16,9 +16,10 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from sheath_manip.aggregate import EXPERT, LearningRun, Report, round_path, round_results
+from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.evaluation import Report
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.figures import FIGURES, write_figures
 from sheath_manip.experiments.summary import summarise, table
@@ -26,7 +27,7 @@ from sheath_manip.methods import method_named
 from sheath_manip.metrics import record_of
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Listener
-from sheath_manip.results import write_json
+from sheath_manip.results import EXPERT, round_path, round_results, write_json
 from sheath_manip.task import TaskEntry
 from sheath_manip.threads import single_threaded
 

@@ -255,7 +255,7 @@ def test_score_of_nan_gives_the_expert_the_wheel(sheath, made, tmp_path):
     nan = {
         name: np.full_like(array, np.nan)
         for name, array in arrays.items()
-        if name.startswith("support/") and array.dtype.kind == "f"
+        if name.startswith("signal/") and array.dtype.kind == "f"
     }
     np.savez(tmp_path / "nan.npz", **(arrays | nan))
     argv = ("run", "corridor", "--checkpoint", tmp_path / "nan.npz", "--episodes", 1)

@@ -53,7 +53,18 @@ def test_collect_keeps_variants_apart(sheath, tmp_path):
 
 def test_train_says_what_came_of_it(sheath, made, tmp_path):
     checkpoint = tmp_path / "new" / "second.npz"
-    options = ("--policy", "hog-svm", "--embedding", "pixels", "--calibration", 4, "--nu", 0.2)
+    options = (
+        "--policy",
+        "hog-svm",
+        "--signal",
+        "support",
+        "--embedding",
+        "pixels",
+        "--calibration",
+        4,
+        "--nu",
+        0.2,
+    )
     code, out, _ = sheath(
         "train", "corridor", "--store", made / "store", "--checkpoint", checkpoint, *options
     )
