@@ -55,7 +55,9 @@ def rewritten(path: Path, **changes) -> Path:
 @pytest.mark.parametrize(
     ("policy", "embedding"),
     [
+        ("cnn", "two-scale-convolutions"),
         ("cnn", "pooled-convolutions"),
+        ("plain-cnn", "random-convolutions"),
         ("paper-cnn", "pooled-convolutions-whitened"),
         ("paper-cnn", "penultimate"),
         ("hog-svm", "pixels"),

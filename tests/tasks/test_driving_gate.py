@@ -139,7 +139,7 @@ def test_a_network_of_nan_leaves_the_wheel_to_the_expert(drive):
         for key, array in drive.policy.arrays().items()
     }
     broken = ConvPolicy(drive.task.spec, (8, 16), (32,)).load(arrays)
-    embedding = make_embedding("foveal-convolutions")
+    embedding = make_embedding(drive.checkpoint.embedding_name)
     embedding.load(broken, drive.checkpoint.embedding.arrays())
     checkpoint = replace(drive.checkpoint, policy=broken, embedding=embedding)
     seen = drive.environment.reset(3)
