@@ -53,6 +53,8 @@ def rewritten(path: Path, **changes) -> Path:
 @pytest.mark.parametrize(
     ("policy", "embedding", "signal"),
     [
+        ("cnn", "two-scale-convolutions", "support"),
+        ("plain-cnn", "random-convolutions", "support"),
         ("cnn", "pooled-convolutions", "joined"),
         ("paper-cnn", "pooled-convolutions-whitened", "support"),
         ("paper-cnn", "penultimate", "precedent"),
