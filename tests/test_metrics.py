@@ -11,40 +11,8 @@ from sheath_manip.metrics import (
     rate_interval,
     record_of,
 )
-from sheath_manip.types import (
-    Actor,
-    Episode,
-    EpisodeInfo,
-    GateDecision,
-    Observation,
-    Outcome,
-    Purpose,
-    Reason,
-    Step,
-)
-
-
-def episode_of(actors: str, labelled: str = "", policy: bool = True) -> Episode:
-    """By step: e or p; labels where there is an x, by default where the expert acts."""
-    labelled = labelled or actors.replace("e", "x")
-    seen = Observation({}, np.zeros(1, np.float32), 0.0)
-    action = np.zeros(1, np.float32)
-    steps = [
-        Step(
-            seen,
-            np.zeros(1),
-            action if policy else None,
-            action if label == "x" else None,
-            GateDecision(Actor.EXPERT if who == "e" else Actor.POLICY, False, Reason.FIXED),
-            action,
-            0.0,
-        )
-        for who, label in zip(actors, labelled, strict=True)
-    ]
-    info = EpisodeInfo("toy", 7, Purpose.LEARNING, 10.0)
-    return Episode(
-        info, tuple(steps), seen, np.zeros(1), True, False, Outcome.FAILURE, {"laps": 0.5}
-    )
+from sheath_manip.types import Outcome
+from tests.episodes import episode_of
 
 
 def record(outcome: Outcome, laps: float, steps: int = 10, expert: int = 0) -> EpisodeRecord:
@@ -82,7 +50,9 @@ def test_a_demonstration_holds_no_intervention():
 
 
 def test_a_record_keeps_scene_outcome_and_metrics():
-    counted = record_of(episode_of("pp"))
+    counted = record_of(
+        episode_of("pp", outcome=Outcome.FAILURE, metrics={"laps": 0.5}),
+    )
     assert (counted.seed, counted.outcome, counted.metrics) == (7, Outcome.FAILURE, {"laps": 0.5})
 
 

@@ -2,16 +2,12 @@ import numpy as np
 import pytest
 
 from sheath_manip.theory import Bound, measure
-from sheath_manip.types import Episode, EpisodeInfo, Observation, Outcome, Purpose
+from sheath_manip.types import Episode
+from tests.episodes import episode_of
 
 
 def episodes(*lengths: int) -> list[Episode]:
-    seen = Observation({}, np.zeros(1, np.float32), 0.0)
-    info = EpisodeInfo("toy", 0, Purpose.LEARNING, 10.0)
-    return [
-        Episode(info, (None,) * length, seen, np.zeros(1), True, False, Outcome.SUCCESS)  # pyright: ignore[reportArgumentType]
-        for length in lengths
-    ]
+    return [episode_of("p" * length) for length in lengths]
 
 
 def test_the_quantities_of_one_round():

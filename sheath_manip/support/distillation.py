@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from sheath_manip.protocols import Arrays
 from sheath_manip.support.boundary import check_least
 from sheath_manip.support.quantile_support import QuantileSupport
+from sheath_manip.support.random_network import HIDDEN, RandomNetwork
 from sheath_manip.support.regression import BoundedRegression
 
-HIDDEN = 128
 OUTPUTS = 64
 
 
@@ -39,32 +39,21 @@ class DistillationSupport(QuantileSupport):
         """(n,) minus the training vectors' errors."""
         check_least({"steps": (self.steps, 1)})
         rng = np.random.default_rng(self.seed)
-        # The factor keeps a mean square of 1 through the ReLU (He et al. 2015).
-        first = rng.normal(size=(Z.shape[1], HIDDEN)) * np.sqrt(2 / Z.shape[1])
-        second = rng.normal(size=(HIDDEN, OUTPUTS)) / np.sqrt(HIDDEN)
-        self.target_ = first.astype(np.float32), second.astype(np.float32)
+        self.target_ = RandomNetwork.drawn(Z.shape[1], OUTPUTS, rng)
         self.network_ = BoundedRegression.fit(
-            Z, self._targets(Z), (HIDDEN, HIDDEN), self.steps, self.seed
+            Z, self.target_(Z), (HIDDEN, HIDDEN), self.steps, self.seed
         )
         return self.rate(Z)
 
     def rate(self, Z: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n,) minus the root mean square difference between the two networks."""
-        return -self.network_.errors(Z, self._targets(Z))
+        return -self.network_.errors(Z, self.target_(Z))
 
     def learned(self) -> Arrays:
         """The random network's two matrices and the trained network's weights."""
-        first, second = self.target_
-        return {**self.network_.arrays(), "first": first, "second": second}
+        return {**self.network_.arrays(), **self.target_.arrays()}
 
     def take(self, arrays: Arrays) -> None:
         """Take over `learned()`."""
-        self.target_ = (
-            np.asarray(arrays["first"], np.float32),
-            np.asarray(arrays["second"], np.float32),
-        )
+        self.target_ = RandomNetwork.of(arrays)
         self.network_ = BoundedRegression.of(arrays)
-
-    def _targets(self, Z: NDArray[np.float32]) -> NDArray[np.float32]:
-        first, second = self.target_
-        return np.maximum(Z @ first, 0) @ second

@@ -10,59 +10,18 @@ from sheath_manip.experiments.figures import FIGURES, write_figures
 from sheath_manip.experiments.figures.intervention import best_intervention
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.plan import LearningPlan
-from sheath_manip.types import (
-    Actor,
-    Episode,
-    EpisodeInfo,
-    GateDecision,
-    Observation,
-    Outcome,
-    Purpose,
-    Reason,
-    Step,
-)
+from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+from tests.episodes import episode_of
 from tests.experiments.round_results import expert_records_of, results_of
 
 PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)
-ACTION = np.array([0.1], np.float32)
 
 
 def episode(
     index: int, actors: str, outcome: Outcome = Outcome.SUCCESS, method: str = "sheath"
 ) -> Episode:
-    """`actors` has one letter a step: p policy, e expert."""
-    rng = np.random.default_rng(index)
-
-    def observation(step: int) -> Observation:
-        image = np.full((40, 40, 3), (70, 120, 60), np.uint8)
-        image[15:25, 15:25] = rng.integers(0, 255, (10, 10, 3))
-        return Observation({"top": image}, np.zeros(1, np.float32), step / 10)
-
-    steps = []
-    for number, letter in enumerate(actors):
-        expert = letter == "e"
-        decision = GateDecision(
-            Actor.EXPERT if expert else Actor.POLICY,
-            True,
-            Reason.OUTSIDE if expert else Reason.INSIDE,
-            -0.1 if expert else 0.1,
-            0.0,
-        )
-        steps.append(
-            Step(observation(number), np.zeros(2), ACTION, -ACTION if expert else ACTION,
-                 decision, ACTION, 0.0)
-        )  # fmt: skip
     info = EpisodeInfo("toy", index, Purpose.LEARNING, 10.0, method, 1, index)
-    return Episode(
-        info,
-        tuple(steps),
-        observation(len(steps)),
-        np.zeros(2),
-        True,
-        False,
-        outcome,
-        {"laps": 1.0},
-    )
+    return episode_of(actors, info=info, outcome=outcome, side_px=40)
 
 
 @pytest.fixture
