@@ -1,9 +1,9 @@
 """The one-class SVM's dual for some hundred thousand points, as exact as float32 kernels are.
 
-libsvm solves a block of it at a time, the points that violate optimality most, and one matrix product
-tells all others of the step. Osuna, Freund & Girosi 1997, 'An improved training algorithm for support
-vector machines'; the choice of the block is that of Joachims 1998, 'Making large-scale SVM learning
-practical'.
+libsvm solves a block of it at a time, the points that violate optimality most, and one matrix
+product tells all others of the step. Osuna, Freund & Girosi 1997, 'An improved training algorithm
+for support vector machines'; the choice of the block is that of Joachims 1998, 'Making large-scale
+SVM learning practical'.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.support.gaussian import GaussianColumns, row_factor, squares
+from sheath_manip.support.gaussian import GaussianColumns, row_factor
 from sheath_manip.support.vectors import squared_distances
 from sheath_manip.support.whole import solve_whole
 
@@ -42,7 +42,7 @@ class BlockSolver:
     @classmethod
     def of(cls, points: NDArray, c: float, most: NDArray, signs: NDArray) -> "BlockSolver":
         """For (n, d) points with their mean near 0."""
-        return cls(row_factor(points, squares(points), c), c, most, signs)
+        return cls(row_factor(points, 0.0, c), c, most, signs)
 
     def solve(
         self, earlier: NDArray[np.float64] | None = None, tolerance: float = TOLERANCE
@@ -50,27 +50,32 @@ class BlockSolver:
         """(n,) duals and ρ; `earlier` are (m <= n,) duals of the first m points to start from."""
         weights = self._coarse_start() if earlier is None else self._continued_start(earlier)
         scores = self.signs * self._sums(weights, self.rows)
+        low, high = self._movable(weights, scores)
         block = np.empty(0, np.intp)
         # With a small bandwidth every point is a support vector, and each must be met a few times.
         for _ in range(100 + 8 * len(weights) // BLOCK):
-            weights[weights < self.most * ROUNDING] = 0
-            grows, shrinks = weights < self.most * (1 - ROUNDING), weights > 0
-            low, high = np.where(grows, scores, np.inf), np.where(shrinks, scores, -np.inf)
             violation = high.max() - low.min()
             if violation <= tolerance * np.abs(scores).max():
                 break
-            block = _next_block(low, high, block[(grows & shrinks)[block]])
+            block = _next_block(low, high, block)
             steps = np.zeros(len(weights))
             steps[block] = self._steps(block, scores[block], weights[block], 0.05 * violation)
             scores += self.signs * self._sums(steps, self.rows)
             weights += steps
+            weights[weights < self.most * ROUNDING] = 0
+            low, high = self._movable(weights, scores)
         # What scores less than this has its dual at the bound, which no more than a share nu has.
         rho = min(low.min(), (low.min() + high.max()) / 2)
         return weights / weights.sum(), float(rho)
 
-    def _sums(
-        self, weights: NDArray[np.float64], rows: NDArray[np.float32]
-    ) -> NDArray[np.float64]:
+    def _movable(
+        self, weights: NDArray[np.float64], scores: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(n,) scores, infinite where the dual cannot grow, and -infinite where not shrink."""
+        low = np.where(weights < self.most * (1 - ROUNDING), scores, np.inf)
+        return low, np.where(weights > 0, scores, -np.inf)
+
+    def _sums(self, weights: NDArray[np.float64], rows: NDArray[np.float32]) -> NDArray[np.float64]:
         """(r,) Σ_j y_j w_j k(x_j, ·) for (n,) w and an (r, d + 2) left factor."""
         held = np.flatnonzero(weights)
         columns = GaussianColumns(self.rows[held, :-2], self.signs[held] * weights[held], self.c)
@@ -123,9 +128,7 @@ class BlockSolver:
         return weights + _filled(scores, self.most - weights, 1 - weights.sum())
 
 
-def _filled(
-    scores: NDArray, most: NDArray[np.float64], total: float = 1.0
-) -> NDArray[np.float64]:
+def _filled(scores: NDArray, most: NDArray[np.float64], total: float = 1.0) -> NDArray[np.float64]:
     """(n,) duals that sum to `total`: at their bounds from the lowest score upwards, then 0."""
     order = np.argsort(scores, kind="stable")
     before = np.cumsum(most[order]) - most[order]
@@ -135,10 +138,10 @@ def _filled(
 
 
 def _next_block(
-    low: NDArray[np.float64], high: NDArray[np.float64], free: NDArray[np.intp]
+    low: NDArray[np.float64], high: NDArray[np.float64], last: NDArray[np.intp]
 ) -> NDArray[np.intp]:
-    """Indices of the worst points that can grow and that can shrink, and of the `free` ones."""
-    count = BLOCK
-    lowest, highest = np.argpartition(low, count)[:count], np.argpartition(-high, count)[:count]
-    able = [lowest[np.isfinite(low[lowest])], highest[np.isfinite(high[highest])]]
-    return np.union1d(np.concatenate(able), free[: 2 * BLOCK])
+    """Indices of the worst points that can grow, that can shrink, and of the last that can both."""
+    lowest, highest = np.argpartition(low, BLOCK)[:BLOCK], np.argpartition(-high, BLOCK)[:BLOCK]
+    free = last[np.isfinite(low[last]) & np.isfinite(high[last])]
+    movable = [lowest[np.isfinite(low[lowest])], highest[np.isfinite(high[highest])]]
+    return np.union1d(np.concatenate(movable), free[: 2 * BLOCK])

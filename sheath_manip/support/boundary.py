@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 
+
 def check_share(name: str, value: float) -> None:
     """ParameterError where `value` is no share of the training points."""
     if not 0 < value <= 1:

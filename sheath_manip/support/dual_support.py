@@ -62,8 +62,8 @@ class DualSupport(ABC):
         """
         if self._duals is not None and len(X) < len(self._duals):
             raise ParameterError(
-                f"cannot refit to {len(X)} vectors after {len(self._duals)}; wanted those, in their "
-                "order, and new ones after them: for other data use fit"
+                f"cannot refit to {len(X)} vectors after {len(self._duals)}; wanted those, in "
+                "their order, and new ones after them: for other data use fit"
             )
         return self._fit(X, agrees, self._duals)
 

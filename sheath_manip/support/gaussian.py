@@ -1,7 +1,7 @@
 """Sums of Gaussian kernels: one float32 matrix product and one exponential for many vectors.
 
-exp(-|x - v|²/c) = exp(2x·v/c - |x|²/c - |v|²/c), and the squares ride along as two more dimensions of
-the product: [x, |x|²/c, 1] · [2v/c, -1, -|v|²/c].
+exp(-|x - v|²/c) = exp(2x·v/c - |x|²/c - |v|²/c), and the squares ride along as two more dimensions
+of the product: [x, |x|²/c, 1] · [2v/c, -1, -|v|²/c].
 """
 
 import numpy as np
@@ -19,18 +19,18 @@ LARGEST_SQUARE = 1e4
 ZERO = np.zeros((), np.float32)
 
 
-def squares(points: NDArray) -> NDArray:
-    """(n,) |x|² of (n, d) points."""
-    return np.vecdot(points, points)
+def row_factor(X: NDArray, origin: NDArray | float, c: float) -> NDArray[np.float32]:
+    """(n, d + 2) left factor for (n, d) vectors less the origin, which float32 had better be near.
 
-
-def row_factor(points: NDArray, squared: NDArray, c: float) -> NDArray[np.float32]:
-    """(n, d + 2) left factor for (n, d) points with their (n,) squares."""
-    width = points.shape[1]
-    factor = np.empty((len(points), width + 2), np.float32)
-    factor[:, :width] = points
-    factor[:, width] = squared / c
-    factor[:, width + 1] = 1
+    Its last column but one tells |x|²/c, infinite or NaN for what float32 cannot hold.
+    """
+    factor = np.empty((len(X), X.shape[1] + 2), np.float32)
+    near, squared = factor[:, :-2], factor[:, -2]
+    with np.errstate(over="ignore"):
+        np.subtract(X, origin, out=near, casting="same_kind")
+        np.vecdot(near, near, out=squared)
+        squared *= np.float32(1 / c)
+    factor[:, -1] = 1
     return factor
 
 
@@ -39,7 +39,7 @@ class GaussianColumns:
 
     def __init__(self, vectors: NDArray, weights: NDArray, c: float) -> None:
         """Take (m, d) vectors and their (m,) weights."""
-        squared = squares(vectors) / c
+        squared = np.vecdot(vectors, vectors) / c
         self._exceed = bool((squared > LARGEST_SQUARE).any())
         self._parts: list[tuple[NDArray[np.float32], NDArray[np.float32]]] = []
         for start in range(0, len(vectors), COLUMNS):

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
-from sheath_manip.support.gaussian import GaussianColumns, row_factor, squares
+from sheath_manip.support.gaussian import GaussianColumns, row_factor
 
 # exp(-104) is 0 in float32.
 LEAST_EXPONENT = 104.0
@@ -26,19 +26,18 @@ class KernelSum:
         self.vectors = np.ascontiguousarray(vectors, dtype=np.float32)
         self.weights = np.asarray(weights, dtype=np.float32)
         self._columns = GaussianColumns(self.vectors, self.weights, c)
-        radius = np.sqrt(squares(self.vectors).max(initial=0), dtype=np.float64)
-        self._reach = (radius + np.sqrt(LEAST_EXPONENT * c)) ** 2
+        largest = np.vecdot(self.vectors, self.vectors).max(initial=0) / c
+        self._reach = float(np.sqrt(largest) + np.sqrt(LEAST_EXPONENT)) ** 2
 
     def __call__(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) for (n, d) rows; NaN for rows that are not finite."""
-        near = X - self.center
-        squared = squares(near)
-        within = squared <= self._reach
+        rows = row_factor(X, self.center, self.c)
+        within = rows[:, -2] <= self._reach
         if within.all():
-            return self._columns.sums(row_factor(near, squared, self.c))
+            return self._columns.sums(rows)
         # What is out of reach of every vector sums to 0, and its square may not even fit float32.
         sums = np.where(np.isfinite(X).all(axis=1), 0.0, np.nan)
-        sums[within] = self._columns.sums(row_factor(near[within], squared[within], self.c))
+        sums[within] = self._columns.sums(rows[within])
         return sums
 
     def arrays(self) -> Arrays:

@@ -19,8 +19,8 @@ from sheath_manip.support.boundary import check_share, svm_boundary
 from sheath_manip.support.dual_support import MAX_POINTS, DualSupport
 from sheath_manip.support.vectors import checked_rows
 
-# A smaller offset is not told from 0: sums are float32, and libsvm solves to 1e-6. But without errors
-# it is at least 1/n, the least square sum of duals that sum to 1, and there it counts.
+# A smaller offset is not told from 0: sums are float32, and libsvm solves to 1e-6. But without
+# errors it is at least 1/n, the least square sum of duals that sum to 1, and there it counts.
 LEAST_RHO = 1e-4
 
 
