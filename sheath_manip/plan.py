@@ -40,9 +40,9 @@ class LearningPlan:
     """of training runs"""
     demonstrations: int = 10
     """expert episodes before round 1"""
-    calibration: int = 20
+    calibration: int = 30
     """held-out expert episodes for the threshold; steps of one resemble each other, so three will
-    do but ten still miss the asked rate by five points"""
+    do but ten still miss the asked rate by five points, and twenty by three"""
     check: int = 20
     """further held-out expert episodes, to measure false alarms"""
     rounds: int = 8
