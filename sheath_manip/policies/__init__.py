@@ -20,10 +20,13 @@ from sheath_manip.policies.scaling import Whitening
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
 
+# For the action alone, without the painting, the lower rate is enough.
+_plain_policy = partial(ConvPolicy, learning_rate=1e-3, reconstruction_weight=0.0)
+
 POLICIES: dict[str, Callable[..., Policy]] = {
     "cnn": ConvPolicy,
-    "plain-cnn": partial(ConvPolicy, reconstruction_weight=0.0),
-    "paper-cnn": partial(ConvPolicy, channels=(16,), reconstruction_weight=0.0),
+    "plain-cnn": _plain_policy,
+    "paper-cnn": partial(_plain_policy, channels=(16,)),
     "hog-svm": HogSvm,
 }
 """Called with the task's spec, `seed` and further hyperparameters by name."""

@@ -40,7 +40,7 @@ class ConvPolicy:
         epochs: int = 40,
         warm_epochs: int = 15,
         warm_steps: int = 200,
-        learning_rate: float = 1e-3,
+        learning_rate: float = 2e-3,
         batch_size: int = 128,
         weight_decay: float = 1e-4,
         class_balance: float = 0.5,
@@ -58,7 +58,8 @@ class ConvPolicy:
             warm_epochs: passes over the samples in a warm refit, at most.
             warm_steps: gradient steps of a warm refit, at most, so that a refit costs the same
                 however much data has been aggregated.
-            learning_rate: of Adam at its peak; it falls linearly to 0 within each fit.
+            learning_rate: of Adam at its peak; it falls linearly to 0 within each fit. At half of
+                it, painting too, the network is left with twice the loss on its own actions.
             batch_size: images a gradient step.
             weight_decay: decoupled (AdamW).
             class_balance: a class weighs as its frequency to the minus this; at 0 each sample
