@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import PercentFormatter
 
 from sheath_manip.experiments.figures.style import (
     BLUE,
@@ -15,10 +14,10 @@ from sheath_manip.experiments.figures.style import (
     INK,
     ORANGE,
     OTHERS,
-    PALE,
     VERMILLION,
     drawing,
     heading,
+    percent_axes,
 )
 from sheath_manip.experiments.gates.offline import CURVE
 from sheath_manip.experiments.gates.rows import EXPERT, POLICY, RANDOM
@@ -33,19 +32,17 @@ SHARES_SHOWN = 0.6
 def draw(settings: Sequence[Setting], summary: Mapping[str, Any], directory: Path) -> list[Path]:
     """Write both figures of every task, and give their paths."""
     written = []
+    plan = summary["plan"]
     for task, found in summary["tasks"].items():
         curves = {
             name: offline_of([at for at in settings if at.task.name == task], name)["curves"]
             for name, row in found["rows"].items()
             if "auroc" in row
         }
-        for kind in ("roc", "share"):
-            path = directory / f"{task}-{kind}.png"
-            if kind == "roc":
-                roc(task, found, curves, summary["plan"], path)
-            else:
-                failures_by_share(task, found, summary["plan"], path)
-            written.append(path)
+        paths = [directory / f"{task}-{kind}.png" for kind in ("roc", "share")]
+        roc(task, found, curves, plan, paths[0])
+        failures_by_share(task, found, plan, paths[1])
+        written += paths
     return written
 
 
@@ -68,32 +65,27 @@ def roc(
         )
         panels = figure.subplots(1, 2)
         for axes, kind in zip(panels, ("far", "costly"), strict=True):
-            for name, curve in curves.items():
-                if name not in looks:
-                    axes.plot(CURVE, curve[kind], color=PALE, linewidth=1)
-            for name, (colour, said) in looks.items():
-                area = rows[name]["auroc_far" if kind == "far" else "errs"]
-                value = area if kind == "far" else area["costly"]
-                label = f"{said}: {name}"
-                curve = [0.0 if rate is None else rate for rate in curves[name][kind]]
-                axes.plot(CURVE, curve, color=colour, linewidth=2.2, label=label)
-                axes.annotate(
-                    "–" if value is None else f"{value:.3f}",
-                    (0.98, 0.05 + 0.055 * list(looks)[::-1].index(name)),
-                    ha="right",
-                    color=colour,
-                )
+            lines = {name: np.array(curve[kind], float) for name, curve in curves.items()}
+            for name in lines.keys() - looks:
+                axes.plot(CURVE, lines[name], color=GREY, alpha=0.3, linewidth=1)
+            for height, (name, (colour, said)) in enumerate(reversed(looks.items())):
+                axes.plot(CURVE, lines[name], color=colour, linewidth=2.2, label=f"{said}: {name}")
+                row = rows[name]
+                area = row["auroc_far"] if kind == "far" else row["errs"]["costly"]
+                said_area = "–" if area is None else f"{area:.3f}"
+                place = (0.98, 0.05 + 0.055 * height)
+                axes.annotate(said_area, place, ha="right", color=colour)
             axes.plot([0, 1], [0, 1], color=INK, linewidth=1, linestyle=(0, (4, 3)), label="chance")
             axes.set_xlim(0, 1)
             axes.set_ylim(0, 1.005)
             axes.grid(visible=True, axis="both")
-            _percentages(axes)
+            percent_axes(axes)
         panels[0].set_title("Displaced to where no expert comes")
         panels[1].set_title("The policy makes a costly mistake")
-        panels[0].set_ylabel("of the displaced states outside")
-        panels[1].set_ylabel("of the mistakes outside")
-        panels[0].set_xlabel("of new expert states outside (numbers: area under the curve)")
-        panels[1].set_xlabel("of the other states that the policy visits outside")
+        panels[0].set_ylabel("share of the displaced states outside")
+        panels[1].set_ylabel("share of the mistakes outside")
+        panels[0].set_xlabel("share of new expert states outside (numbers: areas under curves)")
+        panels[1].set_xlabel("share of the policy's other states outside")
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
 
@@ -116,7 +108,7 @@ def failures_by_share(
         for name, row in rows.items():
             if name not in looks and name not in (POLICY, EXPERT, RANDOM):
                 shares, rates, *_ = _curve(row["loop"])
-                axes.plot(shares, rates, color=PALE, linewidth=1, marker=".", zorder=1)
+                axes.plot(shares, rates, color=GREY, alpha=0.3, linewidth=1, marker=".", zorder=1)
         _bars(axes, rows[RANDOM]["loop"], ORANGE, "^", "random takeover", alone)
         markers = ("o", *(marker for _, marker in OTHERS))
         for (name, (colour, said)), marker in zip(looks.items(), markers * 9, strict=False):
@@ -137,7 +129,7 @@ def failures_by_share(
         )
         axes.set_xlim(-0.01, SHARES_SHOWN)
         axes.set_ylim(bottom=0)
-        _percentages(axes)
+        percent_axes(axes)
         axes.set_xlabel("steps in which the expert acted")
         axes.set_ylabel("episodes failed")
         figure.legend(loc="outside lower center", ncols=2)
@@ -190,8 +182,3 @@ def _curve(loop: Mapping[str, Any]) -> np.ndarray:
             for point in points
         ]
     ).T
-
-
-def _percentages(axes: Axes) -> None:
-    axes.xaxis.set_major_formatter(PercentFormatter(1.0))
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0))

@@ -31,7 +31,7 @@ class Loop:
     learned_from: int
     """the point with the expert share nearest to the plan's"""
     final: tuple[EpisodeRecord, ...]
-    """the policy that learned from that point, alone on held-out scenes"""
+    """the policy that learned from that point, alone on held-out scenes; empty where none did"""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Size:
     episodes: int
     """for each threshold"""
     held_out: int
-    """scenes on which the policy is judged that learned from it"""
+    """scenes on which the policy is judged that learned from it; with 0 none learns"""
 
 
 def write_loop(path: Path, loop: Loop) -> None:
@@ -81,15 +81,8 @@ def run_loop(setting: Setting, row: str, size: Size, report: Report) -> Loop:
             range(len(points)),
             key=lambda number: abs(expert_share(points[number]) - setting.plan.share),
         )
-        learner = setting.cloned(environment.spec)
-        learner.policy.fit(joined([setting.demonstrations(), samples_from(runs[nearest])]))
-        final = evaluate_policy(
-            environment,
-            replace(learner, method=row),
-            setting.evaluation_seeds(size.held_out),
-            report,
-        )
-        return Loop(points, nearest, tuple(final))
+        final = _learned(setting, row, runs[nearest], size.held_out, environment, report)
+        return Loop(points, nearest, final)
     finally:
         environment.close()
 
@@ -136,6 +129,23 @@ def _driven(
     )
     report(f"loop {row}")
     return episode
+
+
+def _learned(
+    setting: Setting,
+    row: str,
+    episodes: Sequence[Episode],
+    held_out: int,
+    environment: Environment,
+    report: Report,
+) -> tuple[EpisodeRecord, ...]:
+    """What the policy does alone once it has also learned from `episodes`."""
+    if held_out == 0:
+        return ()
+    learner = setting.cloned(environment.spec)
+    learner.policy.fit(joined([setting.demonstrations(), samples_from(episodes)]))
+    seeds = setting.evaluation_seeds(held_out)
+    return tuple(evaluate_policy(environment, replace(learner, method=row), seeds, report))
 
 
 def _records(content: Sequence[Mapping[str, Any]]) -> tuple[EpisodeRecord, ...]:

@@ -49,7 +49,7 @@ class GatesPlan:
     other_episodes: int = 8
     """likewise for the rest of the grid"""
     other_held_out: int = 8
-    """likewise for the rest of the grid"""
+    """likewise for the rest of the grid; with 0 no policy learns there"""
 
     def __post_init__(self) -> None:
         if not self.rates or not all(0 < rate < 1 for rate in self.rates):
@@ -83,10 +83,10 @@ PLANS = {
         displaced_every=12,
         displaced_episodes=3,
         visited=6,
-        rates=(0.15, 0.30),
+        rates=(0.15,),
         episodes=2,
-        held_out=2,
+        held_out=1,
         other_episodes=1,
-        other_held_out=1,
+        other_held_out=0,
     ),
 }

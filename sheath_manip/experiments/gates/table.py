@@ -69,31 +69,31 @@ def _saved(task: str, rows: Rows, plan: Mapping[str, Any]) -> Table:
     ):
         grid.add_column(header, justify="right")
     for name, row in rows.items():
-        loop = row["loop"]
-        at, alarm = loop["at_share"], row.get("alarm")
-        own = None if alarm is None else alarm["at"]["step"]
-        executed = loop["points"][0]["executed"] if at is None else None
-        point = loop["points"][0] if at is None else at
-        low, high = executed["ci95"]["failure_rate"] if executed else at["ci95"]
-        grid.add_row(
-            _name(name),
-            *(
-                ("–",) * 4
-                if alarm is None or own is None
-                else (
-                    _percent(alarm["foreseen"]),
-                    _percent(own["foreseen"]["value"]),
-                    _percent(own["disturbed"]["value"]),
-                    _number(own["lead_steps"]),
-                )
-            ),
-            _percent(executed["failure_rate"] if executed else at["failure_rate"]),
-            f"{100 * low:.0f}–{100 * high:.0f}",
-            _number(point["switches_per_episode"]),
-            _number(point["queries_per_episode"]),
-            _percent(loop["final"]["success_rate"]),
-        )
+        grid.add_row(_name(name), *_foreseen(row.get("alarm")), *_in_loop(row["loop"]))
     return grid
+
+
+def _foreseen(alarm: Mapping[str, Any] | None) -> tuple[str, ...]:
+    if alarm is None:
+        return ("–",) * 4
+    own = alarm["at"]["step"]
+    rates = (alarm["foreseen"], own["foreseen"]["value"], own["disturbed"]["value"])
+    return *(_percent(rate) for rate in rates), _number(own["lead_steps"])
+
+
+def _in_loop(loop: Mapping[str, Any]) -> tuple[str, ...]:
+    """At the common share; of the policy or the expert alone at its own."""
+    at, only = loop["at_share"], loop["points"][0]
+    failed = only["executed"]["failure_rate"] if at is None else at["failure_rate"]
+    low, high = only["executed"]["ci95"]["failure_rate"] if at is None else at["ci95"]
+    asked = only if at is None else at
+    return (
+        _percent(failed),
+        f"{100 * low:.0f}–{100 * high:.0f}",
+        _number(asked["switches_per_episode"]),
+        _number(asked["queries_per_episode"]),
+        _percent(loop["final"]["success_rate"]),
+    )
 
 
 def _table(title: str, caption: str) -> Table:

@@ -93,12 +93,13 @@ def visits(setting: Setting) -> list[Visit]:
 
 
 def _visit(episode: Episode, costly_regret: float) -> Visit:
-    steps = episode.steps
+    steps, samples = episode.steps, samples_from([episode])
+    executed = np.stack([step.executed for step in steps])
     return Visit(
-        samples_from([episode]),
+        samples,
         # A proposal that was no action has no regret: the expert acted.
         np.array([-step.decision.score > costly_regret for step in steps]),
-        np.array([not np.array_equal(step.executed, step.labelled) for step in steps]),
+        (executed != samples.labels).any(axis=1),
         episode.outcome is Outcome.FAILURE,
     )
 
