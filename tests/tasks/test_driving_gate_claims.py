@@ -20,14 +20,18 @@ def row(costly: float, *signals: str) -> dict:
     }
 
 
-def broken(directory: Path, default: dict, other: dict) -> list[str]:
+def broken(directory: Path, default: dict, *others: dict) -> list[str]:
     summary = {
         "plan": PLANS["full"].described(),
         "tasks": {
             "driving": {
                 "default": "a/b",
                 "learning": DRIVING.plans["full"].described(),
-                "rows": {"a/b": default, "c/d": other, "policy": {"signals": [], "loop": {}}},
+                "rows": {
+                    "a/b": default,
+                    **{f"c/{number}": other for number, other in enumerate(others)},
+                    "policy": {"signals": [], "loop": {}},
+                },
             }
         },
     }
@@ -43,7 +47,7 @@ def test_they_hold_where_the_numbers_are_good(tmp_path):
 
 
 def test_the_default_is_held_against_single_signals_only(tmp_path):
-    assert broken(tmp_path, row(0.8, "s"), row(0.9, "s", "t")) == []
+    assert broken(tmp_path, row(0.8, "s"), row(0.9, "s", "t"), row(0.7, "s")) == []
     beaten = broken(tmp_path, row(0.8, "s"), row(0.9, "s"))
     assert beaten == ["AUROC of costly mistakes, best single signal's"]
 

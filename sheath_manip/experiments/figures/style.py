@@ -135,5 +135,5 @@ def last_round(summary: Mapping[str, Any]) -> int:
     return max(method["rounds"][-1]["round"] for method in summary["methods"].values())
 
 
-def _percent(value: float, _: int | None) -> str:
+def _percent(value: float, _: float) -> str:
     return f"{100 * value:.0f} %"

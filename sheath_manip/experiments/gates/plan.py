@@ -46,9 +46,9 @@ class GatesPlan:
     """in the loop, for each threshold of a main row"""
     held_out: int = 20
     """scenes on which the policy that learned under a main row's gate is judged"""
-    other_episodes: int = 8
+    other_episodes: int = 6
     """likewise for the rest of the grid"""
-    other_held_out: int = 8
+    other_held_out: int = 6
     """likewise for the rest of the grid; with 0 no policy learns there"""
 
     def __post_init__(self) -> None:
@@ -78,7 +78,7 @@ PLANS = {
     "full": GatesPlan(),
     "quick": GatesPlan(
         learning="quick",
-        embeddings=("foveal-convolutions", "penultimate", "pixels"),
+        embeddings=("foveal-convolutions", "penultimate"),
         supports=("one-class-svm", "mahalanobis"),
         displaced_every=12,
         displaced_episodes=3,
