@@ -89,8 +89,8 @@ def test_foresight_counts_failures_windows_and_episodes():
     assert found.lead_steps == 3
     # One window of each failed drive, three of each other one.
     assert (found.disturbed.hits, found.disturbed.count) == (2, 9)
-    assert (found.failed_alarm, found.failed_none) == (2, 1)
-    assert (found.success_alarm, found.success_none) == (1, 1)
+    assert (found.failed.hits, found.failed.count) == (2, 3)
+    assert (found.unfailed.hits, found.unfailed.count) == (1, 2)
 
 
 def test_without_failures_nothing_is_foreseen():

@@ -154,7 +154,7 @@ def test_the_rows_are_the_product_of_the_tables_the_default_first():
     learning = TASK.plans["full"]
     listed = rows(GatesPlan(), learning)
     assert len(listed) >= len(EMBEDDINGS) * len(SUPPORTS)
-    assert listed[0].name == default_name(learning)
+    assert listed[0].name == default_name(listed, learning)
     assert len({row.name for row in listed}) == len(listed)
     mains = [row.main for row in listed]
     assert mains == sorted(mains, reverse=True)
@@ -204,3 +204,10 @@ def test_few_gates_are_told_apart_in_the_figures():
     }
     said = {name: role for name, (_, role) in highlighted(found).items()}
     assert said == {"a": "default", "b": "best other", "c": "worst", "d": "joined"}
+
+
+def test_the_default_is_a_row_whatever_else_is_asked_for():
+    learning = TASK.plans["full"]
+    listed = rows(GatesPlan(embeddings=("penultimate",), supports=()), learning)
+    assert [row.name for row in listed] == ["pixels/one-class-svm", "penultimate/one-class-svm"]
+    assert default_name(listed, learning) == listed[0].name

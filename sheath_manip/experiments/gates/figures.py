@@ -87,6 +87,9 @@ def roc(
         panels[0].set_xlabel("share of new expert states outside (numbers: areas under curves)")
         panels[1].set_xlabel("share of the policy's other states outside")
         handles, labels = panels[0].get_legend_handles_labels()
+        # In the order of the numbers, from above; chance last.
+        order = [*reversed(range(len(looks))), len(looks)]
+        handles, labels = [handles[i] for i in order], [labels[i] for i in order]
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
 
 

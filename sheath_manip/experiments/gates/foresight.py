@@ -34,12 +34,10 @@ class Foresight:
     lead_steps: float
     """median over the foreseen failures, from the first step of the unbroken run of alarms that
     the window's first alarm belongs to (it may begin before the window), to the failing step"""
-    failed_alarm: int
-    """failed episodes with an alarm anywhere before the failing step"""
-    failed_none: int
-    success_alarm: int
-    """episodes that did not fail, with an alarm anywhere"""
-    success_none: int
+    failed: Rate
+    """of the failed episodes, those with an alarm anywhere before the failing step"""
+    unfailed: Rate
+    """of the other episodes, those with an alarm anywhere: with `failed` the four-way table"""
 
 
 def foresight(drives: Sequence[Drive], threshold: float, window: int, spared: int) -> Foresight:
@@ -48,17 +46,13 @@ def foresight(drives: Sequence[Drive], threshold: float, window: int, spared: in
     others = [drive for drive in drives if not drive.failed]
     leads = [lead_steps(drive.scores, threshold, window) for drive in failed]
     free = failure_free(drives, window, spared)
-    anywhere = [bool(alarms(drive.scores[:-1], threshold).any()) for drive in failed]
-    needless = [bool(alarms(drive.scores, threshold).any()) for drive in others]
     return Foresight(
         threshold=threshold,
         foreseen=rate_of([lead is not None for lead in leads]),
         disturbed=rate_of(alarms(free, threshold)),
         lead_steps=_median([lead for lead in leads if lead is not None]),
-        failed_alarm=sum(anywhere),
-        failed_none=len(anywhere) - sum(anywhere),
-        success_alarm=sum(needless),
-        success_none=len(needless) - sum(needless),
+        failed=rate_of([bool(alarms(d.scores[:-1], threshold).any()) for d in failed]),
+        unfailed=rate_of([bool(alarms(d.scores, threshold).any()) for d in others]),
     )
 
 

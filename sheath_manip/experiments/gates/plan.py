@@ -19,7 +19,7 @@ class GatesPlan:
     seeds: tuple[int, ...] = (0,)
     """of training runs"""
     embeddings: tuple[str, ...] | None = None
-    """all of the table where None"""
+    """beside the default; all of the table where None"""
     supports: tuple[str, ...] | None = None
     """likewise"""
     displaced_every: int = 6
@@ -46,9 +46,9 @@ class GatesPlan:
     """in the loop, for each threshold of a main row"""
     held_out: int = 20
     """scenes on which the policy that learned under a main row's gate is judged"""
-    other_episodes: int = 6
+    other_episodes: int = 5
     """likewise for the rest of the grid"""
-    other_held_out: int = 6
+    other_held_out: int = 4
     """likewise for the rest of the grid; with 0 no policy learns there"""
 
     def __post_init__(self) -> None:
@@ -78,8 +78,8 @@ PLANS = {
     "full": GatesPlan(),
     "quick": GatesPlan(
         learning="quick",
-        embeddings=("foveal-convolutions", "penultimate"),
-        supports=("one-class-svm", "mahalanobis"),
+        embeddings=("penultimate",),
+        supports=("mahalanobis",),
         displaced_every=12,
         displaced_episodes=3,
         visited=6,

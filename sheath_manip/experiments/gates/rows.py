@@ -1,6 +1,6 @@
 """What is compared: every embedding with every support estimator, and gates that have neither."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from sheath_manip.experiments.gates.plan import GatesPlan
@@ -44,24 +44,20 @@ def grid(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
     """Every embedding with every support estimator."""
     return [
         Row(
-            grid_name(embedding, support),
+            f"{embedding}/{support}",
             replace(learning, embedding=embedding, support=support),
             main=learning.embedding == embedding or learning.support == support,
         )
-        for embedding in _default_first(plan.embeddings or tuple(EMBEDDINGS), learning.embedding)
-        for support in _default_first(plan.supports or tuple(SUPPORTS), learning.support)
+        for embedding in _after(learning.embedding, EMBEDDINGS, plan.embeddings)
+        for support in _after(learning.support, SUPPORTS, plan.supports)
     ]
 
 
-def default_name(learning: LearningPlan) -> str:
-    """The row that a learning run would take."""
-    return grid_name(learning.embedding, learning.support)
+def default_name(listed: Sequence[Row], learning: LearningPlan) -> str:
+    """The row whose gate a learning run would take."""
+    return next(row.name for row in listed if row.plan == learning)
 
 
-def grid_name(embedding: str, support: str) -> str:
-    """How a member of the grid is called."""
-    return f"{embedding}/{support}"
-
-
-def _default_first(names: Sequence[str], default: str) -> list[str]:
-    return sorted(names, key=lambda name: name != default)
+def _after(default: str, table: Iterable[str], asked: Sequence[str] | None) -> list[str]:
+    """The default, then what was asked for, or the whole table."""
+    return list(dict.fromkeys([default, *(table if asked is None else asked)]))

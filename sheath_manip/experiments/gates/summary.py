@@ -78,9 +78,10 @@ def summarise(
 def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
     """One task; its training seeds pooled."""
     first = settings[0]
+    listed = rows(first.plan, first.learning)
     ends = {name: _loops(settings, name) for name in (POLICY, EXPERT)}
     return {
-        "default": default_name(first.learning),
+        "default": default_name(listed, first.learning),
         "learning": first.learning.described(),
         "rows": {
             **{
@@ -94,7 +95,7 @@ def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
                         _in_loop(_loops(settings, row.name), ends, first.plan)
                     ),
                 }
-                for row in rows(first.plan, first.learning)
+                for row in listed
             },
             **{
                 name: {
