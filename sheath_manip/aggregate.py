@@ -87,7 +87,7 @@ class LearningRun:
         """Free the simulator."""
         self.environment.close()
 
-    def prepare(self) -> Common:
+    def start(self) -> Common:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         plan = self.plan
         demonstrations = self._expert_episodes(Purpose.DEMONSTRATION, plan.demonstrations)
@@ -97,9 +97,15 @@ class LearningRun:
         states = samples_from(demonstrations)
         records = [record_of(episode) for episode in (*demonstrations, *held_out)]
         checkpoint = self._checkpoint(EXPERT, 0, None, states, calibration)
-        common = Common(checkpoint, states, calibration, check, records)
+        return Common(checkpoint, states, calibration, check, records)
+
+    def prepare(self) -> Common:
+        """Start, and measure what was started with: round 0."""
+        common = self.start()
         if not self._path(EXPERT, 0, "json").exists():
-            measured = self._measured(checkpoint, common, demonstrations, states, checkpoint)
+            first, states = common.checkpoint, common.demonstrations
+            stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
+            measured = self._measured(first, common, list(stored), states, first)
             write_result(self._path(EXPERT, 0, "json"), measured)
         return common
 

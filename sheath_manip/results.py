@@ -2,10 +2,14 @@
 
 import dataclasses
 import json
+import math
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from sheath_manip.exceptions import StoreError
 from sheath_manip.metrics import EpisodeRecord
@@ -87,3 +91,14 @@ def write_json(path: Path, content: Any) -> None:
         file.flush()
         os.fsync(file.fileno())
     aside.replace(path)
+
+
+def plain(value: Any) -> Any:
+    """As it will be when read back from JSON, which knows neither tuples nor NaN."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
