@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Agreement, Policy
+from sheath_manip.protocols import Agreement, Policy, Signal
 from sheath_manip.signals import make_signal, planned_signal
 from sheath_manip.support.calibration import threshold_rule
 
@@ -21,6 +21,7 @@ def fit_gate(
     agreement: Agreement | None = None,
     previous: Checkpoint | None = None,
     visited: Samples | None = None,
+    signal: Signal | None = None,
 ) -> Checkpoint:
     """Fit the plan's signal to the policy's training `states`, and calibrate the threshold.
 
@@ -35,9 +36,11 @@ def fit_gate(
         previous: of the round before, whose threshold stays where the plan calibrates only once.
         visited: states of the last round's episodes, for a budget; where there are none yet, the
             calibration episodes stand in.
+        signal: unfitted, of the plan's choice; made anew where it is not given.
     """
     choice = planned_signal(plan)
-    signal = make_signal(choice).fit(policy, states, agreement).calibrate(calibration)
+    signal = make_signal(choice) if signal is None else signal
+    signal.fit(policy, states, agreement).calibrate(calibration)
     if previous is not None and not plan.recalibrate:
         threshold = previous.threshold
     else:

@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from sheath_manip.aggregate import Report
+from sheath_manip.evaluation import Report
 from sheath_manip.results import write_json
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from typing import Any, Protocol, TypeVar
 
-from sheath_manip.aggregate import Report
+from sheath_manip.evaluation import Report
 from sheath_manip.protocols import Listener
 from sheath_manip.threads import single_threaded
 

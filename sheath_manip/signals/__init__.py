@@ -7,7 +7,7 @@ from typing import Any
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import make_embedding
-from sheath_manip.protocols import Signal
+from sheath_manip.protocols import Embedding, Signal
 from sheath_manip.signals.joined import JoinedSignal
 from sheath_manip.signals.precedent import PrecedentSignal
 from sheath_manip.signals.support import SupportSignal
@@ -35,27 +35,31 @@ def planned_signal(plan: LearningPlan) -> SignalChoice:
     return SignalChoice(*names, hyperparameters)
 
 
-def make_signal(choice: SignalChoice) -> Signal:
-    """A fresh signal; UnknownNameError for a name that is in no table."""
+MakeEmbedding = Callable[[str], Embedding]
+
+
+def make_signal(choice: SignalChoice, embedding: MakeEmbedding = make_embedding) -> Signal:
+    """A fresh signal, its embeddings made by name; UnknownNameError for one that is in no table."""
     if choice.signal not in SIGNALS:
         raise UnknownNameError("signal", choice.signal, SIGNALS)
-    return SIGNALS[choice.signal](choice)
+    return SIGNALS[choice.signal](choice, embedding)
 
 
-def _support(choice: SignalChoice) -> SupportSignal:
+def _support(choice: SignalChoice, embedding: MakeEmbedding) -> SupportSignal:
     support = make_support(choice.support, **choice.hyperparameters)
-    return SupportSignal(make_embedding(choice.embedding), support)
+    return SupportSignal(embedding(choice.embedding), support)
 
 
-def _precedent(choice: SignalChoice) -> PrecedentSignal:
-    return PrecedentSignal(make_embedding(choice.precedent_embedding))
+def _precedent(choice: SignalChoice, embedding: MakeEmbedding) -> PrecedentSignal:
+    return PrecedentSignal(embedding(choice.precedent_embedding))
 
 
-def _joined(choice: SignalChoice) -> JoinedSignal:
-    return JoinedSignal({"support": _support(choice), "precedent": _precedent(choice)})
+def _joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
+    support, precedent = _support(choice, embedding), _precedent(choice, embedding)
+    return JoinedSignal({"support": support, "precedent": precedent})
 
 
-SIGNALS: dict[str, Callable[[SignalChoice], Signal]] = {
+SIGNALS: dict[str, Callable[[SignalChoice, MakeEmbedding], Signal]] = {
     "joined": _joined,
     "support": _support,
     "precedent": _precedent,

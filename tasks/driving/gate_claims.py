@@ -16,9 +16,15 @@ def default(summary: Summary) -> Mapping[str, Any]:
     return found["rows"][found["default"]]
 
 
+def support(summary: Summary) -> Mapping[str, Any]:
+    """The row of the default embedding and estimator: the signal that ought to know the places."""
+    found = summary["tasks"]["driving"]
+    return found["rows"][f"{found['learning']['embedding']}/{found['learning']['support']}"]
+
+
 def auroc(displacement: str, summary: Summary) -> float:
     """Of new expert states against the displaced ones."""
-    return default(summary)["auroc"][displacement]
+    return support(summary)["auroc"][displacement]
 
 
 def lowest_auroc(summary: Summary) -> float:
@@ -28,12 +34,12 @@ def lowest_auroc(summary: Summary) -> float:
 
 def expert_inside(summary: Summary) -> float:
     """Share of a new expert lap inside, at a threshold from few laps."""
-    return default(summary)["few"]["expert_inside"]
+    return support(summary)["few"]["expert_inside"]
 
 
 def least_outside(summary: Summary) -> float:
     """Of the displacements off the road, the lowest share outside at that threshold."""
-    return min(default(summary)["few"]["far_outside"][name] for name in OFF_THE_ROAD)
+    return min(support(summary)["few"]["far_outside"][name] for name in OFF_THE_ROAD)
 
 
 def costly(summary: Summary) -> float:

@@ -38,7 +38,13 @@ TASK = replace(
     CORRIDOR,
     plans={
         "full": replace(
-            PLAN, policy="hog-svm", embedding="pixels", demonstrations=2, calibration=6, check=2
+            PLAN,
+            policy="hog-svm",
+            embedding="pixels",
+            precedent_embedding="pixels",
+            demonstrations=2,
+            calibration=6,
+            check=2,
         )
     },
 )
@@ -71,8 +77,14 @@ def summary_of(directory: Path) -> dict:
 
 def test_every_gate_and_every_baseline_is_a_row(whole):
     found = summary_of(whole)["tasks"]["corridor"]
-    assert found["default"] == "pixels/one-class-svm"
-    assert set(found["rows"]) == {"pixels/one-class-svm", "pixels/mahalanobis", *BASELINES}
+    assert found["default"] == "joined"
+    assert set(found["rows"]) == {
+        "joined",
+        "precedent",
+        "pixels/one-class-svm",
+        "pixels/mahalanobis",
+        *BASELINES,
+    }
     row = found["rows"]["pixels/one-class-svm"]
     assert set(row["auroc"]) == set(row["far_outside"]) == {"aside 0.4 m", "aside 0.9 m"}
     assert row["auroc"]["aside 0.9 m"] > 0.9
@@ -94,7 +106,7 @@ def test_in_the_loop_all_meet_the_same_scenes_and_are_compared_at_one_share(whol
         for point in loop["points"]
     }
     assert len(scenes) == 1
-    assert [len(loop["points"]) for loop in loops.values()].count(2) == 3
+    assert [len(loop["points"]) for loop in loops.values()].count(2) == 5
     assert found["policy"]["loop"]["points"][0]["expert_share"] == 0
     assert found["expert"]["loop"]["points"][0]["expert_share"] == 1
     assert found["expert"]["loop"]["at_share"] is None
@@ -209,5 +221,6 @@ def test_few_gates_are_told_apart_in_the_figures():
 def test_the_default_is_a_row_whatever_else_is_asked_for():
     learning = TASK.plans["full"]
     listed = rows(GatesPlan(embeddings=("penultimate",), supports=()), learning)
-    assert [row.name for row in listed] == ["pixels/one-class-svm", "penultimate/one-class-svm"]
+    names = ["joined", "precedent", "pixels/one-class-svm", "penultimate/one-class-svm"]
+    assert [row.name for row in listed] == names
     assert default_name(listed, learning) == listed[0].name

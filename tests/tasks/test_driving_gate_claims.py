@@ -25,10 +25,11 @@ def broken(directory: Path, default: dict, *others: dict) -> list[str]:
         "plan": PLANS["full"].described(),
         "tasks": {
             "driving": {
-                "default": "a/b",
+                "default": "joined",
                 "learning": DRIVING.plans["full"].described(),
                 "rows": {
-                    "a/b": default,
+                    "joined": default,
+                    "two-scale-convolutions/one-class-svm": {**default, "signals": ["support"]},
                     **{f"c/{number}": other for number, other in enumerate(others)},
                     "policy": {"signals": [], "loop": {}},
                 },
@@ -43,17 +44,17 @@ def broken(directory: Path, default: dict, *others: dict) -> list[str]:
 
 
 def test_they_hold_where_the_numbers_are_good(tmp_path):
-    assert broken(tmp_path, row(0.8, "s"), row(0.7, "s")) == []
+    assert broken(tmp_path, row(0.8, "s", "t"), row(0.7, "s")) == []
 
 
 def test_the_default_is_held_against_single_signals_only(tmp_path):
-    assert broken(tmp_path, row(0.8, "s"), row(0.9, "s", "t"), row(0.7, "s")) == []
-    beaten = broken(tmp_path, row(0.8, "s"), row(0.9, "s"))
+    assert broken(tmp_path, row(0.8, "s", "t"), row(0.9, "s", "t"), row(0.7, "s")) == []
+    beaten = broken(tmp_path, row(0.8, "s", "t"), row(0.9, "s"))
     assert beaten == ["AUROC of costly mistakes, best single signal's"]
 
 
 def test_one_displacement_seen_badly_breaks_them(tmp_path):
-    default = row(0.7, "s")
+    default = row(0.7, "s", "t")
     default["auroc"]["heading 45°"] = 0.9
     default["few"]["far_outside"]["lateral 7 m"] = 0.9
     assert len(broken(tmp_path, default, row(0.6, "s"))) == 3

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.aggregate import Report
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation

@@ -4,19 +4,25 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sheath_manip.aggregate import LearningRun, Report, fit_gate
+import numpy as np
+
+from sheath_manip.aggregate import LearningRun
+from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.displaced import displaced_states
 from sheath_manip.experiments.gates.loop import Size, run_loop, write_loop
 from sheath_manip.experiments.gates.offline import evidence, measured
 from sheath_manip.experiments.gates.plan import GatesPlan
-from sheath_manip.experiments.gates.remembered import Vectors, remembering
+from sheath_manip.experiments.gates.remembered import Shared
 from sheath_manip.experiments.gates.rows import BASELINES, Row, rows
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import record_visits
+from sheath_manip.fitting import fit_gate
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import Listener
+from sheath_manip.policies.agreement import held_out_agreement
+from sheath_manip.protocols import Listener, Policy
 from sheath_manip.results import plain, write_json
 from sheath_manip.seeding import seed_for
+from sheath_manip.signals import planned_signal
 
 
 @dataclass(frozen=True)
@@ -73,6 +79,37 @@ class Visit:
 
 
 @dataclass(frozen=True)
+class Judge:
+    """Find out where policies that have not seen a demonstrated state do as the expert there."""
+
+    setting: Setting
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        at = self.setting
+        path = at.agreement_path()
+        if not path.exists():
+            environment = at.task.make()
+            spec = environment.spec
+            environment.close()
+
+            def fresh_policy() -> Policy:
+                return make_policy(at.learning.policy, spec, seed_for("policy", at.seed))
+
+            agrees = held_out_agreement(fresh_policy, at.demonstrations())
+            aside = path.with_suffix(".part")
+            with aside.open("wb") as file:
+                np.save(file, agrees)
+            aside.replace(path)
+        report("cross-fitted policies")
+
+    def units(self) -> int:
+        """How often it reports."""
+        return 1
+
+
+@dataclass(frozen=True)
 class Score:
     """Fit the gates of one embedding and hold them against the recorded states."""
 
@@ -92,7 +129,7 @@ class Score:
         spec = environment.spec
         environment.close()
         cloned, states, seen = at.cloned(spec), at.demonstrations(), evidence(at)
-        vectors: Vectors = {}
+        shared = Shared()
         for row in missing:
             gate = fit_gate(
                 cloned.policy,
@@ -100,14 +137,12 @@ class Score:
                 seen.calibration,
                 row.plan,
                 spec.name,
-                row.name,
                 run_seed=at.seed,
-                fresh_policy=lambda: make_policy(
-                    at.learning.policy, spec, seed_for("policy", at.seed)
-                ),
+                agreement=lambda: np.load(at.agreement_path()),
+                signal=shared.signal(planned_signal(row.plan)),
             )
             gate.save(at.checkpoint_path(row.name))
-            offline = measured(remembering(gate, vectors), seen, at)
+            offline = measured(gate, seen, at)
             write_json(at.offline_path(row.name), plain(dataclasses.asdict(offline)))
             report(f"gate {row.name}")
 
@@ -138,7 +173,7 @@ class Drive:
         return len(gates) * self.size.episodes + self.size.held_out
 
 
-AnyJob = Demonstrate | Displace | Visit | Score | Drive
+AnyJob = Demonstrate | Displace | Visit | Judge | Score | Drive
 
 
 def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
@@ -155,7 +190,9 @@ def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
         first += [Drive(at, name, main) for name in BASELINES]
         first += [Drive(at, row.name, main) for row in listed if row.main]
         others += [Drive(at, row.name, other) for row in listed if not row.main]
-    recorded: list[AnyJob] = [job for at in settings for job in (Visit(at), Displace(at))]
+    recorded: list[AnyJob] = [
+        job for at in settings for job in (Visit(at), Judge(at), Displace(at))
+    ]
     return [[Demonstrate(at) for at in settings], recorded, score, [*first, *others]]
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sheath_manip.aggregate import Report, evaluate_policy
 from sheath_manip.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.dataset.samples import joined, samples_from
+from sheath_manip.evaluation import Report, evaluate_policy
 from sheath_manip.exceptions import StoreError
 from sheath_manip.experiments.gates.rows import BASELINES
 from sheath_manip.experiments.gates.setting import Setting

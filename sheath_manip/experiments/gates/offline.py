@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.aggregate import Report
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.detection import Rate, alarms, auroc, detected, rate_of
 from sheath_manip.experiments.gates.displaced import displaced_states
 from sheath_manip.experiments.gates.foresight import (

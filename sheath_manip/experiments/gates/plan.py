@@ -42,13 +42,13 @@ class GatesPlan:
     """false-alarm rates whose thresholds are tried in the loop"""
     share: float = 0.15
     """of the steps in which the expert acts, at which gates are compared in the loop"""
-    episodes: int = 16
+    episodes: int = 12
     """in the loop, for each threshold of a main row"""
     held_out: int = 20
     """scenes on which the policy that learned under a main row's gate is judged"""
-    other_episodes: int = 5
+    other_episodes: int = 4
     """likewise for the rest of the grid"""
-    other_held_out: int = 4
+    other_held_out: int = 0
     """likewise for the rest of the grid; with 0 no policy learns there"""
 
     def __post_init__(self) -> None:

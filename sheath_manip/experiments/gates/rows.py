@@ -36,8 +36,9 @@ BASELINES: dict[str, Callable[[Sequence[float]], Sequence[Gate]]] = {
 
 def rows(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
     """The most interesting first: the default, what differs from it in one part, then the rest."""
-    # Rows that are no member of the grid, such as a gate with a second signal, join here.
-    return sorted(grid(plan, learning), key=lambda row: not row.main)
+    joined = Row("joined", replace(learning, signal="joined"), ("support", "precedent"))
+    precedent = Row("precedent", replace(learning, signal="precedent"), ("precedent",))
+    return sorted([joined, precedent, *grid(plan, learning)], key=lambda row: not row.main)
 
 
 def grid(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
@@ -45,7 +46,7 @@ def grid(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
     return [
         Row(
             f"{embedding}/{support}",
-            replace(learning, embedding=embedding, support=support),
+            replace(learning, signal="support", embedding=embedding, support=support),
             main=learning.embedding == embedding or learning.support == support,
         )
         for embedding in _after(learning.embedding, EMBEDDINGS, plan.embeddings)

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sheath_manip.aggregate import EXPERT, round_path
 from sheath_manip.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
@@ -12,6 +11,7 @@ from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Probes
+from sheath_manip.results import EXPERT, round_path
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Episode, Purpose, TaskSpec
@@ -62,6 +62,10 @@ class Setting:
     def offline_path(self, row: str) -> Path:
         """What a row's scores say about recorded states."""
         return self.directory / "offline" / f"{row}.json"
+
+    def agreement_path(self) -> Path:
+        """Where policies that have not seen a state do there as its label says."""
+        return self.directory / "agreement.npy"
 
     def checkpoint_path(self, row: str) -> Path:
         """Of a row's gate."""

@@ -7,10 +7,10 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.aggregate import Report
 from sheath_manip.checkpoint import digest
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.rows import POLICY
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.gates import AlwaysPolicy
