@@ -7,6 +7,7 @@ from another only by its gate (`sheath_manip.methods`).
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,27 +18,28 @@ from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.samples import Samples, joined, samples_from
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.evaluation import Report, evaluate_policy
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
+from sheath_manip.fitting import fit_gate
+from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.methods import METHODS, Method, RoundContext, method_named
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
 from sheath_manip.plan import LearningPlan
-from sheath_manip.policies import make_embedding, make_policy
+from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
-from sheath_manip.protocols import Environment, Gate, Listener, Policy
-from sheath_manip.results import RoundResult, read_result, write_result
+from sheath_manip.protocols import Gate, Listener, Policy
+from sheath_manip.results import (
+    EXPERT,
+    RoundResult,
+    read_result,
+    round_path,
+    round_results,
+    write_result,
+)
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed, seed_for
-from sheath_manip.support import planned_support
-from sheath_manip.support.calibration import held_out_threshold
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose
-
-EXPERT = "expert"
-"""the name under which demonstrations and calibration episodes are stored"""
-
-Report = Callable[[str], None]
-"""called once for each unit of work done (`LearningRun.units`), with a word on what it was"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ class LearningRun:
         """Free the simulator."""
         self.environment.close()
 
-    def prepare(self) -> Common:
+    def start(self) -> Common:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         plan = self.plan
         demonstrations = self._expert_episodes(Purpose.DEMONSTRATION, plan.demonstrations)
@@ -95,9 +97,15 @@ class LearningRun:
         states = samples_from(demonstrations)
         records = [record_of(episode) for episode in (*demonstrations, *held_out)]
         checkpoint = self._checkpoint(EXPERT, 0, None, states, calibration)
-        common = Common(checkpoint, states, calibration, check, records)
+        return Common(checkpoint, states, calibration, check, records)
+
+    def prepare(self) -> Common:
+        """Start, and measure what was started with: round 0."""
+        common = self.start()
         if not self._path(EXPERT, 0, "json").exists():
-            measured = self._measured(checkpoint, common, demonstrations, states, checkpoint)
+            first, states = common.checkpoint, common.demonstrations
+            stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
+            measured = self._measured(first, common, list(stored), states, first)
             write_result(self._path(EXPERT, 0, "json"), measured)
         return common
 
@@ -119,7 +127,7 @@ class LearningRun:
             path = self._path(method.name, number, "json")
             aggregated = joined(states)
             refitted = self._checkpoint(
-                method.name, number, checkpoint, aggregated, common.calibration
+                method.name, number, checkpoint, aggregated, common.calibration, states[-1]
             )
             if not path.exists():
                 measured = self._measured(refitted, common, episodes, aggregated, checkpoint)
@@ -153,7 +161,7 @@ class LearningRun:
     def _learning_episodes(
         self, method: Method, number: int, checkpoint: Checkpoint
     ) -> list[Episode]:
-        context = RoundContext(checkpoint, number, self._reference_share(method, number))
+        context = RoundContext(checkpoint, number, self._reference_share(method, number), self.plan)
         infos = [
             replace(
                 self._info(Purpose.LEARNING, method.name, number, index),
@@ -201,8 +209,9 @@ class LearningRun:
         previous: Checkpoint | None,
         states: Samples,
         calibration: Sequence[Samples],
+        visited: Samples | None = None,
     ) -> Checkpoint:
-        """Read the round's checkpoint, or fit policy (warm), embedding, support and threshold."""
+        """Read the round's checkpoint, or fit policy (warm), signal and threshold."""
         path = self._path(method, number, "npz")
         spec = self.environment.spec
         if path.exists():
@@ -222,11 +231,11 @@ class LearningRun:
             calibration,
             plan,
             spec.name,
-            method,
-            number,
-            self.run_seed,
-            fresh_policy,
+            agreement=partial(held_out_agreement, fresh_policy, states),
+            previous=previous,
+            visited=visited,
         )
+        checkpoint = replace(checkpoint, method=method, round=number, run_seed=self.run_seed)
         checkpoint.save(path)
         # Read back, so that a resumed run continues from the same bits as an uninterrupted one.
         return self._fitted(load_checkpoint(path, spec), states)
@@ -311,90 +320,3 @@ class LearningRun:
 
     def _path(self, method: str, number: int, suffix: str) -> Path:
         return round_path(self.directory.parent, self.run_seed, method, number, suffix)
-
-
-def round_path(runs: Path, run_seed: int, method: str, number: int, suffix: str) -> Path:
-    """Where a round's checkpoint (`npz`) or its figures (`json`) lie under `runs`."""
-    return runs / f"s{run_seed}" / method / f"round-{number:02d}.{suffix}"
-
-
-def round_results(runs: Path, run_seed: int, method: str) -> list[RoundResult]:
-    """All rounds that a method has finished, the shared round 0 first."""
-    results = [read_result(round_path(runs, run_seed, EXPERT, 0, "json"))]
-    while (path := round_path(runs, run_seed, method, len(results), "json")).exists():
-        results.append(read_result(path))
-    return results
-
-
-def fit_gate(
-    policy: Policy,
-    states: Samples,
-    calibration: Sequence[Samples],
-    plan: LearningPlan,
-    task: str,
-    method: str = "",
-    number: int = 0,
-    run_seed: int = 0,
-    fresh_policy: Callable[[], Policy] | None = None,
-) -> Checkpoint:
-    """Fit embedding and support to the policy's training `states`, and calibrate the threshold.
-
-    `calibration` holds expert episodes that no fit has seen, one `Samples` each. `fresh_policy`
-    makes an unfitted policy of the same kind; a support that wants to know where the policy is
-    right needs it, and then it is fitted anew on each fold of the episodes.
-    """
-    embedding = make_embedding(plan.embedding).fit(policy, states)
-    support = planned_support(plan)
-    agrees = None
-    if support.uses_agreement:
-        if fresh_policy is None:
-            raise ParameterError(
-                f"support {plan.support!r} asks where the policy is right on held-out episodes; "
-                "wanted `fresh_policy`, to fit it anew"
-            )
-        agrees = held_out_agreement(fresh_policy, states)
-    support.fit(embedding.transform(states.images, states.features), agrees)
-    checkpoint = Checkpoint(
-        task=task,
-        policy_name=plan.policy,
-        policy=policy,
-        embedding_name=plan.embedding,
-        embedding=embedding,
-        support_name=plan.support,
-        support=support,
-        threshold=0.0,
-        false_alarm_rate=plan.false_alarm_rate,
-        method=method,
-        round=number,
-        run_seed=run_seed,
-    )
-    threshold = held_out_threshold(
-        [checkpoint.scores(episode) for episode in calibration], plan.false_alarm_rate
-    )
-    return replace(checkpoint, threshold=threshold)
-
-
-def evaluate_policy(
-    environment: Environment,
-    checkpoint: Checkpoint,
-    seeds: Sequence[int],
-    report: Report = lambda _: None,
-) -> list[EpisodeRecord]:
-    """The policy alone on the scenes of `seeds`; nothing is recorded, nothing learned from it."""
-    records = []
-    for index, seed in enumerate(seeds):
-        info = EpisodeInfo(
-            task=checkpoint.task,
-            seed=seed,
-            purpose=Purpose.EVALUATION,
-            control_rate_hz=environment.spec.control_rate_hz,
-            method=checkpoint.method,
-            round=checkpoint.round,
-            index=index,
-        )
-        episode = rollout(
-            environment, info, AlwaysPolicy(), rng=generator("none"), policy=checkpoint.policy
-        )
-        records.append(record_of(episode))
-        report(f"{checkpoint.method} alone")
-    return records

@@ -1,4 +1,4 @@
-"""Policy, embedding, support estimator and threshold of one round, in one file.
+"""Policy, signal and threshold of one round, in one file.
 
 A support fitted on last round's embedding is meaningless, so they are saved and loaded together.
 The file is an .npz of plain arrays with a JSON header: no code is ever loaded from it.
@@ -10,7 +10,7 @@ import io
 import json
 import os
 import zipfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownNameError
-from sheath_manip.policies import make_embedding, make_policy
-from sheath_manip.protocols import Arrays, Embedding, Policy, SupportEstimator
-from sheath_manip.support import make_support
+from sheath_manip.policies import make_policy
+from sheath_manip.protocols import Arrays, Policy, Signal
+from sheath_manip.signals import SignalChoice, make_signal
 from sheath_manip.types import Observation, TaskSpec
 
 FORMAT = "sheath-checkpoint"
-SCHEMA = 1
-PARTS = ("policy", "embedding", "support")
+SCHEMA = 2
+PARTS = ("policy", "signal")
 # The earliest date that a zip file can hold: equal content then gives equal bytes.
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -39,10 +39,8 @@ class Checkpoint:
     """name of the task it was trained on"""
     policy_name: str
     policy: Policy
-    embedding_name: str
-    embedding: Embedding
-    support_name: str
-    support: SupportEstimator
+    signal_choice: SignalChoice
+    signal: Signal
     threshold: float
     """the score below which the expert takes over"""
     false_alarm_rate: float
@@ -52,15 +50,13 @@ class Checkpoint:
     run_seed: int
 
     def score(self, observation: Observation) -> float:
-        """The support score of one observation, positive inside; NaN where it has none."""
+        """The signal's score of one observation; NaN where it has none."""
         images = {camera: image[None] for camera, image in observation.images.items()}
-        vectors = self.embedding.transform(images, observation.features[None])
-        return float(self.support.decision_function(vectors)[0])
+        return float(self.signal.scores(images, observation.features[None])[0])
 
     def scores(self, samples: Samples) -> NDArray[np.float64]:
-        """(n,) the support scores of `samples`."""
-        vectors = self.embedding.transform(samples.images, samples.features)
-        return self.support.decision_function(vectors)
+        """(n,) the signal's scores of `samples`."""
+        return self.signal.scores(samples.images, samples.features)
 
     def save(self, path: Path | str) -> Path:
         """Write the file in one stroke: it is there whole or not at all. Returns its path."""
@@ -70,8 +66,7 @@ class Checkpoint:
             "schema": SCHEMA,
             "task": self.task,
             "policy": {"name": self.policy_name, "hyper": _hyperparameters(self.policy)},
-            "embedding": {"name": self.embedding_name},
-            "support": {"name": self.support_name, "hyper": _hyperparameters(self.support)},
+            "signal": asdict(self.signal_choice),
             "threshold": self.threshold,
             "false_alarm_rate": self.false_alarm_rate,
             "method": self.method,
@@ -100,7 +95,7 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
 
     Raises:
         CheckpointError: the file is missing, broken, no checkpoint, of another schema or task, or
-            it names a policy, an embedding or a support estimator that is in no table.
+            it names a policy, a signal, an embedding or a support that is in no table.
     """
     path = Path(path)
     header, arrays = _read(path)
@@ -112,16 +107,13 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
     try:
         hyper = dict(header["policy"]["hyper"])
         policy = make_policy(header["policy"]["name"], spec, **hyper).load(arrays["policy"])
-        embedding = make_embedding(header["embedding"]["name"]).load(policy, arrays["embedding"])
-        support = make_support(header["support"]["name"], **header["support"]["hyper"])
+        choice = SignalChoice(**header["signal"])
         return Checkpoint(
             task=header["task"],
             policy_name=header["policy"]["name"],
             policy=policy,
-            embedding_name=header["embedding"]["name"],
-            embedding=embedding,
-            support_name=header["support"]["name"],
-            support=support.load(arrays["support"]),
+            signal_choice=choice,
+            signal=make_signal(choice).load(policy, arrays["signal"]),
             threshold=float(header["threshold"]),
             false_alarm_rate=float(header["false_alarm_rate"]),
             method=str(header["method"]),

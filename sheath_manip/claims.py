@@ -39,6 +39,12 @@ class Verdict:
     holds: bool
 
 
+def constant(value: float, summary: Summary) -> float:
+    """A bar that does not depend on the summary."""
+    del summary
+    return value
+
+
 def judge(claim: Claim, summary: Summary, source: str) -> Verdict:
     """Hold one claim against a summary; raises StoreError where the summary lacks its numbers."""
     try:

@@ -9,6 +9,7 @@ from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.gates.mixture import Mixture
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.gates.takeover import RandomTakeover
+from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Gate
 
 
@@ -22,6 +23,7 @@ class RoundContext:
     """from 1"""
     reference_share: float
     """the expert's share, in this round, of the method to compare with (`Method.follows`)"""
+    plan: LearningPlan
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,13 @@ class Method:
 
 
 def _sheath(context: RoundContext) -> Gate:
-    return SupportGate(context.checkpoint.score, context.checkpoint.threshold)
+    return SupportGate(
+        context.checkpoint.score,
+        context.checkpoint.threshold,
+        release_margin=context.plan.release_margin,
+        quiet_steps=context.plan.quiet_steps,
+        minimum_hold_steps=context.plan.minimum_hold_steps,
+    )
 
 
 METHODS = {

@@ -11,22 +11,38 @@ class LearningPlan:
     """The settings of rounds of learning; the same plan and seed give the same result."""
 
     policy: str = "cnn"
-    embedding: str = "foveal-convolutions"
+    signal: str = "joined"
+    """what the gate looks at: the support, the precedent of the proposed action, or both joined"""
+    embedding: str = "two-scale-convolutions"
+    """on which the support is estimated"""
     support: str = "one-class-svm"
+    precedent_embedding: str = "foveal-convolutions"
+    """in which precedents are looked for"""
     nu: float = 0.05
     """bound on the share of training states outside the support"""
     bandwidth_factor: float = 1.0
     """c of the RBF, in units of the median squared distance"""
+    threshold_rule: str = "steps"
+    """`steps`: a rate of false alarms in new expert steps; `episodes`: the probability of any in a
+    new expert episode; `budget`: the expert's share of what the policy met last"""
     false_alarm_rate: float = 0.15
-    """of new expert steps, which the threshold is calibrated for"""
+    """that the first two rules are calibrated for"""
+    expert_budget: float = 0.15
+    """that the third rule is calibrated for"""
+    recalibrate: bool = True
+    """every round, or only in the first (CRSAIL)"""
+    release_margin: float = 0.0
+    """the gate's, as of `SupportGate`; the next two likewise"""
+    quiet_steps: int = 0
+    minimum_hold_steps: int = 0
     methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
     seeds: tuple[int, ...] = (0, 1, 2)
     """of training runs"""
     demonstrations: int = 10
     """expert episodes before round 1"""
-    calibration: int = 20
+    calibration: int = 30
     """held-out expert episodes for the threshold; steps of one resemble each other, so three will
-    do but ten still miss the asked rate by five points"""
+    do but ten still miss the asked rate by five points, and twenty by three"""
     check: int = 20
     """further held-out expert episodes, to measure false alarms"""
     rounds: int = 8
@@ -53,8 +69,9 @@ class LearningPlan:
             )
         if not 0 < self.nu <= 1:
             raise ParameterError(f"nu is {self.nu}; wanted more than 0 and at most 1")
-        if not 0 < self.false_alarm_rate < 1:
-            raise ParameterError(f"false_alarm_rate is {self.false_alarm_rate}; wanted 0 .. 1")
+        for name in ("false_alarm_rate", "expert_budget"):
+            if not 0 < getattr(self, name) < 1:
+                raise ParameterError(f"{name} is {getattr(self, name)}; wanted 0 .. 1")
 
     def units(self) -> int:
         """How many episodes and fits the whole experiment runs (repeated preparation included)."""

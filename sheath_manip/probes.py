@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sheath_manip.claims import Claim
 from sheath_manip.types import Action, Observation
 
 
@@ -29,3 +30,5 @@ class Probes:
     """from the expert and an action: how much dearer than the best one it is, now"""
     costly_regret: float
     """beyond which an action is a costly mistake"""
+    claims: Sequence[Claim] = ()
+    """what is claimed of this task's gates in the experiment `gates`"""

@@ -1,6 +1,6 @@
 """The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar, Protocol, Self
 
 import numpy as np
@@ -22,6 +22,10 @@ from sheath_manip.types import (
 
 Arrays = Mapping[str, NDArray]
 """The learned state of a component as plain arrays: what a checkpoint holds, with no code in it."""
+
+Agreement = Callable[[], NDArray[np.bool_]]
+"""(n,) whether the policy does as the expert would in its n training states, judged by fits that
+have not seen them (`policies.agreement`); it takes long, so it is called only where needed"""
 
 
 class Environment(Protocol):
@@ -160,6 +164,35 @@ class SupportEstimator(Protocol):
 
     def load(self, arrays: Arrays) -> Self:
         """Take over a learned state."""
+        ...
+
+
+class Signal(Protocol):
+    """Says of a state how far the policy may be trusted with it: what a gate looks at."""
+
+    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
+        """Fit to the training `states` of `policy`, and look through that policy from now on."""
+        ...
+
+    def calibrate(self, episodes: Sequence[Samples]) -> Self:
+        """Learn what held-out expert episodes, that no fit has seen, look like."""
+        ...
+
+    def scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float64]:
+        """(n,) the higher the better, for (n, h, w, 3) images by camera and (n, f) features.
+
+        NaN where there is none; -inf is below any threshold.
+        """
+        ...
+
+    def arrays(self) -> Arrays:
+        """The learned state, without the policy's."""
+        ...
+
+    def load(self, policy: Policy, arrays: Arrays) -> Self:
+        """Take over a learned state on top of `policy`."""
         ...
 
 

@@ -2,15 +2,22 @@
 
 import dataclasses
 import json
+import math
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from sheath_manip.exceptions import StoreError
 from sheath_manip.metrics import EpisodeRecord
 from sheath_manip.theory import Bound
 from sheath_manip.types import Outcome
+
+EXPERT = "expert"
+"""the name under which demonstrations, calibration episodes and round 0 are stored"""
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,19 @@ def read_result(path: Path) -> RoundResult:
         ) from error
 
 
+def round_path(runs: Path, run_seed: int, method: str, number: int, suffix: str) -> Path:
+    """Where a round's checkpoint (`npz`) or its figures (`json`) lie under `runs`."""
+    return runs / f"s{run_seed}" / method / f"round-{number:02d}.{suffix}"
+
+
+def round_results(runs: Path, run_seed: int, method: str) -> list[RoundResult]:
+    """All rounds that a method has finished, the shared round 0 first."""
+    results = [read_result(round_path(runs, run_seed, EXPERT, 0, "json"))]
+    while (path := round_path(runs, run_seed, method, len(results), "json")).exists():
+        results.append(read_result(path))
+    return results
+
+
 def write_json(path: Path, content: Any) -> None:
     """Write `content` beside `path`, then rename: a reader sees the old file or the new one."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -71,3 +91,14 @@ def write_json(path: Path, content: Any) -> None:
         file.flush()
         os.fsync(file.fileno())
     aside.replace(path)
+
+
+def plain(value: Any) -> Any:
+    """As it will be when read back from JSON, which knows neither tuples nor NaN."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value

@@ -17,7 +17,7 @@ import pytest
 from rich.console import Console
 
 from sheath_manip import aggregate
-from sheath_manip.aggregate import LearningRun, round_results
+from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SheathError
@@ -27,6 +27,7 @@ from sheath_manip.metrics import expert_share
 from sheath_manip.policies import POLICIES
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.protocols import Listener
+from sheath_manip.results import round_results
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Purpose
 from tests.toy import CORRIDOR, PLAN, Corridor
@@ -355,6 +356,7 @@ def test_a_method_that_follows_one_that_stopped_stops_with_it(whole, tmp_path):
 EXPERIMENT = replace(
     PLAN,
     policy="hog-svm",
+    signal="support",
     embedding="pixels",
     methods=("dagger", *METHODS),
     demonstrations=2,

@@ -1,5 +1,5 @@
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -7,24 +7,22 @@ import pytest
 
 from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.exceptions import CheckpointError
-from sheath_manip.policies import make_embedding
-from sheath_manip.support import OneClassSupport
+from sheath_manip.signals import SignalChoice, make_signal
 from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
 
+CHOICE = asdict(SignalChoice("support", "pixels", "one-class-svm", "pixels"))
 
-def checkpoint_of(policy_name: str, embedding_name: str) -> Checkpoint:
-    states, policy = training(), fitted_policy(policy_name)
-    embedding = make_embedding(embedding_name).fit(policy, states)
-    support = OneClassSupport(nu=0.1, bandwidth_factor=0.5)
-    support.fit(embedding.transform(states.images, states.features))
+
+def checkpoint_of(policy_name: str, embedding_name: str, signal: str = "support") -> Checkpoint:
+    policy = fitted_policy(policy_name)
+    hyper = {"nu": 0.1, "bandwidth_factor": 0.5}
+    choice = SignalChoice(signal, embedding_name, "one-class-svm", embedding_name, hyper)
     return Checkpoint(
         task=SPEC.name,
         policy_name=policy_name,
         policy=policy,
-        embedding_name=embedding_name,
-        embedding=embedding,
-        support_name="one-class-svm",
-        support=support,
+        signal_choice=choice,
+        signal=make_signal(choice).fit(policy, training()).calibrate([held_out()]),
         threshold=-0.01,
         false_alarm_rate=0.05,
         method="sheath",
@@ -53,16 +51,18 @@ def rewritten(path: Path, **changes) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("policy", "embedding"),
+    ("policy", "embedding", "signal"),
     [
-        ("cnn", "pooled-convolutions"),
-        ("paper-cnn", "pooled-convolutions-whitened"),
-        ("paper-cnn", "penultimate"),
-        ("hog-svm", "pixels"),
+        ("cnn", "two-scale-convolutions", "support"),
+        ("plain-cnn", "random-convolutions", "support"),
+        ("cnn", "pooled-convolutions", "joined"),
+        ("paper-cnn", "pooled-convolutions-whitened", "support"),
+        ("paper-cnn", "penultimate", "precedent"),
+        ("hog-svm", "pixels", "joined"),
     ],
 )
-def test_what_is_loaded_is_what_was_saved(policy, embedding, tmp_path):
-    saved = checkpoint_of(policy, embedding)
+def test_what_is_loaded_is_what_was_saved(policy, embedding, signal, tmp_path):
+    saved = checkpoint_of(policy, embedding, signal)
     loaded = load_checkpoint(saved.save(tmp_path / "round.npz"), SPEC)
     samples = held_out()
     np.testing.assert_array_equal(loaded.scores(samples), saved.scores(samples))
@@ -70,10 +70,8 @@ def test_what_is_loaded_is_what_was_saved(policy, embedding, tmp_path):
         loaded.policy.predict(samples.images, samples.features),
         saved.policy.predict(samples.images, samples.features),
     )
-    parts = {"policy": None, "embedding": None, "support": None}
+    parts = {"policy": None, "signal": None}
     assert {**vars(loaded), **parts} == {**vars(saved), **parts}
-    assert isinstance(loaded.support, OneClassSupport)
-    assert (loaded.support.nu, loaded.support.bandwidth_factor) == (0.1, 0.5)
 
 
 def test_one_score_is_that_of_the_batch(checkpoint):
@@ -147,9 +145,10 @@ def test_missing_foreign_and_pickled_files(tmp_path):
         ({"schema": 99}, "has schema 99"),
         ({"task": "grasp"}, "trained on task 'grasp'"),
         ({"policy": {"name": "mlp", "hyper": {}}}, "unknown policy 'mlp'"),
-        ({"embedding": {"name": "clip"}}, "unknown embedding 'clip'"),
-        ({"support": {"name": "knn", "hyper": {}}}, "unknown support estimator 'knn'"),
-        ({"support": {"name": "one-class-svm", "hyper": {"mu": 1}}}, "broken"),
+        ({"signal": CHOICE | {"embedding": "clip"}}, "unknown embedding 'clip'"),
+        ({"signal": CHOICE | {"support": "knn"}}, "unknown support estimator 'knn'"),
+        ({"signal": CHOICE | {"hyperparameters": {"mu": 1}}}, "broken"),
+        ({"signal": CHOICE | {"signal": "hunch"}}, "unknown signal 'hunch'"),
         ({"policy": {}}, "broken"),
         ({"round": None}, "broken"),
     ],

@@ -1,11 +1,13 @@
 """A toy task without a simulator: keep to the middle of a windy corridor, seen from above."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.plan import LearningPlan
+from sheath_manip.probes import Displacement, Probes
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import (
     Action,
@@ -108,6 +110,26 @@ def make_long() -> Corridor:
     return Corridor(steps=24)
 
 
+def aside(side_m: float, environment: Corridor, rng: np.random.Generator) -> Observation:
+    state = environment.state()
+    state[1] = rng.choice([-1.0, 1.0]) * side_m
+    return environment.restore(state)
+
+
+def regret_m(expert: MiddleKeeper, action: Action) -> float:
+    """How much farther from the middle than with the best step."""
+    left_m = abs(expert.environment.side_m + CHOICES[:, 0])
+    return float(abs(expert.environment.side_m + action[0]) - left_m.min())
+
+
+PROBES = Probes(
+    displacements=(
+        Displacement("aside 0.4 m", partial(aside, 0.4), far=False),
+        Displacement("aside 0.9 m", partial(aside, 0.9)),
+    ),
+    regret=regret_m,
+    costly_regret=0.2,
+)
 PLAN = LearningPlan(
     seeds=(0,),
     demonstrations=4,
@@ -124,4 +146,5 @@ CORRIDOR = TaskEntry(
     variants={"default": Corridor, "final": make_long},
     expert=MiddleKeeper,
     plans={"full": PLAN, "quick": PLAN},
+    probes=PROBES,
 )

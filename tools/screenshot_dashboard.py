@@ -20,13 +20,14 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Page
 
-from sheath_manip.aggregate import EXPERT, LearningRun
+from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.protocols import Environment
+from sheath_manip.results import EXPERT
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.task import TaskEntry

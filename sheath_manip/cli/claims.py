@@ -16,5 +16,7 @@ class Claims:
 
     def run(self, session: Session) -> int:
         """Print one line a claim; 1 where one does not hold."""
-        claims = {name: task.claims for name, task in session.tasks().items()}
+        tasks = session.tasks().values()
+        gates = [claim for task in tasks if task.probes for claim in task.probes.claims]
+        claims = {task.name: task.claims for task in tasks} | {"gates": gates}
         return print_claims(verdicts(self.results, claims), session.out)

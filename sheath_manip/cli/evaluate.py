@@ -33,9 +33,9 @@ class Evaluate:
         at_least_one("episodes", self.episodes)
         task = session.task(self.task)
         # Only now: torch takes seconds to import.
-        from sheath_manip.aggregate import evaluate_policy
         from sheath_manip.checkpoint import digest, load_checkpoint
         from sheath_manip.cli.episodes import opened, print_figures
+        from sheath_manip.evaluation import evaluate_policy
         from sheath_manip.metrics import figures_of
 
         with opened(task, self.variant) as environment:

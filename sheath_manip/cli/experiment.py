@@ -1,31 +1,35 @@
-"""`sheath experiment`: rounds of learning by several methods, from demonstrations to figures."""
+"""`sheath experiment`: rounds of learning by several methods on a task, or a benchmark."""
 
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rich.text import Text
-
+from sheath_manip.cli.aside import move_aside
+from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
 from sheath_manip.cli.options import Address, TaskName, planned
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import TaskSpec
 
 WORKERS = 2
 """by default: each holds its training seed's images in RAM"""
+OF_LEARNING = ("rounds", "methods", "figures", "dashboard", "hold")
+"""options that a benchmark has no use for"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
     """Compare the methods on a task: demonstrations, rounds, held-out scenes, table and figures.
 
+    The experiment `gates` compares gates instead, on all tasks that have probes.
+
     Stopped anywhere and called again, it goes on where it was.
     """
 
     task: TaskName
-    """name of the experiment, which is its task's, as `sheath tasks` lists it"""
+    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates`"""
     plan: str = "full"
     """the settings, as `sheath tasks` lists them; each keeps apart from the full one"""
     quick: bool = False
@@ -54,13 +58,15 @@ class Experiment:
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
-        task = session.task(self.task)
-        size = "quick" if self.quick else self.plan
-        plan = self._plan(task, size)
+        tasks = session.tasks()
+        if self.task in BENCHMARKS:
+            return self._run_benchmark(session)
+        if self.task not in tasks:
+            raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS))
+        task = tasks[self.task]
+        plan = self._plan(task, self._size)
         workers = self._workers()
-        name = task.name if size == "full" else f"{task.name}-{size}"
-        runs = self.runs or Path("runs") / name
-        results = self.out or (Path("results") / name if size == "full" else runs / "results")
+        runs, results = self._directories()
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
         from sheath_manip.methods import method_named
@@ -69,7 +75,7 @@ class Experiment:
             method_named(method)
         with self.address.listeners(self.dashboard, _spec(task), session) as listeners:
             if self.fresh:
-                _move_aside(runs, session)
+                move_aside(runs, session)
             run_experiment(
                 task,
                 plan,
@@ -86,6 +92,29 @@ class Experiment:
                     session.out.print("the page stays open until Ctrl-C")
                     dashboard.hold_open()
         return 0
+
+    def _run_benchmark(self, session: Session) -> int:
+        for name in OF_LEARNING:
+            if getattr(self, name):
+                raise ParameterError(
+                    f"the experiment {self.task} takes no --{name}; "
+                    "wanted --quick, --seeds, --workers, --runs, --out or --fresh"
+                )
+        runs, results = self._directories()
+        asked = Asked(self._size, self.seeds, self._workers(), runs, results, self.fresh)
+        BENCHMARKS[self.task](asked, session)
+        return 0
+
+    @property
+    def _size(self) -> str:
+        return "quick" if self.quick else self.plan
+
+    def _directories(self) -> tuple[Path, Path]:
+        """For the runs and for the results; those of another plan keep apart from the full one."""
+        full = self._size == "full"
+        name = self.task if full else f"{self.task}-{self._size}"
+        runs = self.runs or Path("runs") / name
+        return runs, self.out or (Path("results") / name if full else runs / "results")
 
     def _plan(self, task: TaskEntry, size: str) -> LearningPlan:
         for name in ("seeds", "methods", "figures"):
@@ -110,14 +139,3 @@ def _spec(task: TaskEntry) -> TaskSpec:
     environment = task.make()
     environment.close()
     return environment.spec
-
-
-def _move_aside(runs: Path, session: Session) -> None:
-    """Rename `runs`, so that nothing recorded is lost."""
-    if not runs.exists():
-        return
-    number = 1
-    while (aside := runs.with_name(f"{runs.name}-before-{number}")).exists():
-        number += 1
-    runs.rename(aside)
-    session.out.print(Text(f"the earlier run is kept in {aside}"))

@@ -15,15 +15,20 @@ from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.dataset.store import EpisodeStore
+    from sheath_manip.protocols import Policy
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
 PLANNED = (
     "policy",
+    "signal",
     "embedding",
     "support",
     "nu",
     "bandwidth_factor",
+    "precedent_embedding",
+    "threshold_rule",
     "false_alarm_rate",
+    "expert_budget",
     "calibration",
 )
 """options of the same name and meaning as in `LearningPlan`"""
@@ -45,6 +50,8 @@ class Train:
     """file to write, such as runs/first.npz"""
     policy: str | None = None
     """name, as `sheath tasks` lists it; the task's own by default, as with all that follow"""
+    signal: str | None = None
+    """name; what the gate looks at"""
     embedding: str | None = None
     """name; what of the policy the support is estimated on"""
     support: str | None = None
@@ -53,8 +60,15 @@ class Train:
     """0 .. 1, bound on the share of training states outside the support"""
     bandwidth_factor: float | None = None
     """c of the RBF exp(-|x-y|²/c), in units of the median squared distance"""
+    precedent_embedding: str | None = None
+    """name; in what of the policy precedents of its action are looked for"""
+    threshold_rule: str | None = None
+    """steps, episodes or budget: what the threshold keeps to"""
     false_alarm_rate: float | None = None
-    """0 .. 1, share of new expert steps at which the gate may call the expert needlessly"""
+    """0 .. 1, share of new expert steps (or episodes) at which the gate may call the expert
+    needlessly"""
+    expert_budget: float | None = None
+    """0 .. 1, share of the steps that a budget gives to the expert"""
     calibration: int | None = None
     """expert episodes held out for the threshold, at least 3"""
     seed: int = 0
@@ -65,20 +79,26 @@ class Train:
         task = session.task(self.task)
         plan = planned(task, "full", **{name: getattr(self, name) for name in PLANNED})
         # Only now: torch takes seconds to import.
-        from sheath_manip.aggregate import fit_gate
         from sheath_manip.checkpoint import digest
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.samples import samples_from
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.policies import make_embedding, make_policy
-        from sheath_manip.support import planned_support
+        from sheath_manip.fitting import fit_gate
+        from sheath_manip.policies import make_policy
+        from sheath_manip.policies.agreement import held_out_agreement
+        from sheath_manip.signals import make_signal, planned_signal
+        from sheath_manip.support.calibration import threshold_rule
 
         with opened(task, "default") as environment:
             spec = environment.spec
+
+        def fresh_policy() -> "Policy":
+            return make_policy(plan.policy, spec, seed=self.seed)
+
         # Before the fit, which takes its time, so that a wrong name is told at once.
-        policy = make_policy(plan.policy, spec, seed=self.seed)
-        make_embedding(plan.embedding)
-        planned_support(plan)
+        policy = fresh_policy()
+        make_signal(planned_signal(plan))
+        threshold_rule(plan.threshold_rule)
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
@@ -97,17 +117,18 @@ class Train:
                 plan,
                 spec.name,
                 run_seed=self.seed,
-                fresh_policy=lambda: make_policy(plan.policy, spec, seed=self.seed),
+                agreement=lambda: held_out_agreement(fresh_policy, states),
             )
         fitted.save(self.checkpoint)
 
         alarms = [float(np.mean(~(fitted.scores(s) >= fitted.threshold))) for s in calibration]
+        inside = float((fitted.scores(states) >= fitted.threshold).mean())
         table = Table(title=Text(str(self.checkpoint)), title_justify="left", show_header=False)
         table.box = None
         rows = {
             "trained on": f"{len(states)} states of {len(training)} episodes",
             "training loss": f"{float(policy.surrogate_losses(states).mean()):.4f}",
-            "states inside the support": f"{float((fitted.scores(states) >= 0).mean()):.1%}",
+            "states that the policy may act in": f"{inside:.1%}",
             "threshold": f"{fitted.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
             f"episodes it was set on; {plan.false_alarm_rate:.1%} asked for",

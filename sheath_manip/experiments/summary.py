@@ -13,7 +13,7 @@ from rich.table import Table
 
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
 from sheath_manip.plan import LearningPlan
-from sheath_manip.results import RoundResult
+from sheath_manip.results import RoundResult, plain
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -39,7 +39,7 @@ def summarise(
         metric: `TaskSpec.metric`; the first one of the expert's episodes where it is not given.
     """
     expert = _figures(expert_records)
-    return _plain(
+    return plain(
         {
             "experiment": task_name,
             "command": command,
@@ -166,17 +166,6 @@ def _figures(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
 def _average(values: Any) -> float:
     array = np.array(list(values), dtype=float)
     return float(array.mean()) if array.size else math.nan
-
-
-def _plain(value: Any) -> Any:
-    """As it will be when read back from JSON, which knows neither tuples nor NaN."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value
 
 
 def _rate(figures: Mapping[str, Any]) -> str:

@@ -6,33 +6,44 @@ from typing import Any
 
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.policies.embeddings import (
+from sheath_manip.policies.contrast_whitening import ContrastWhitening
+from sheath_manip.policies.convolutional_embeddings import (
     FovealConvolutions,
     Penultimate,
-    Pixels,
     PooledConvolutions,
+    RandomConvolutions,
+    TwoScaleConvolutions,
 )
 from sheath_manip.policies.hog_svm import HogSvm
+from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
 
+# For the action alone, without the painting, the lower rate is enough.
+_plain_policy = partial(ConvPolicy, learning_rate=1e-3, reconstruction_weight=0.0)
+
 POLICIES: dict[str, Callable[..., Policy]] = {
     "cnn": ConvPolicy,
-    "paper-cnn": partial(ConvPolicy, channels=(16,)),
+    "plain-cnn": _plain_policy,
+    "paper-cnn": partial(_plain_policy, channels=(16,)),
     "hog-svm": HogSvm,
 }
 """Called with the task's spec, `seed` and further hyperparameters by name."""
 
 EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
-    "foveal-convolutions": lambda: FovealConvolutions(Whitening()),
+    "two-scale-convolutions": lambda: TwoScaleConvolutions(ContrastWhitening()),
+    "foveal-convolutions": lambda: FovealConvolutions(ContrastWhitening()),
+    "foveal-convolutions-whitened": lambda: FovealConvolutions(Whitening()),
     "pooled-convolutions": PooledConvolutions,
     "pooled-convolutions-whitened": lambda: PooledConvolutions(Whitening()),
+    "random-convolutions": RandomConvolutions,
     "penultimate": Penultimate,
     "pixels": Pixels,
+    "pixels-whitened": lambda: Pixels(Whitening()),
 }
 
-DEFAULT_EMBEDDING = "foveal-convolutions"
+DEFAULT_EMBEDDING = "two-scale-convolutions"
 
 
 def make_policy(name: str, spec: TaskSpec, seed: int = 0, **hyperparameters: Any) -> Policy:

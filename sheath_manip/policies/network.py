@@ -6,6 +6,7 @@ import torch
 from torch import nn
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.reconstruction import Decoder
 
 # (side, stride) of each convolution: those of Mnih et al. 2015, the third at stride 2 for speed.
 KERNELS = ((8, 4), (4, 2), (3, 2))
@@ -14,7 +15,8 @@ KERNELS = ((8, 4), (4, 2), (3, 2))
 class ConvNetwork(nn.Module):
     """Convolutions, fully connected hidden layers and one logit a class, with ReLU between.
 
-    Takes (n, h, w, 3) uint8 images; `activations` and `penultimate` give what lies inside.
+    Takes (n, h, w, 3) uint8 images; `activations` and `penultimate` give what lies inside. With
+    `reconstructs` a `decoder` paints the image back from the last convolution layer in training.
     """
 
     def __init__(
@@ -24,6 +26,7 @@ class ConvNetwork(nn.Module):
         channels: Sequence[int],
         hidden: Sequence[int],
         generator: torch.Generator,
+        reconstructs: bool = False,
     ) -> None:
         super().__init__()
         if not 1 <= len(channels) <= len(KERNELS):
@@ -51,6 +54,8 @@ class ConvNetwork(nn.Module):
                 nn.Linear(inputs, outputs) for inputs, outputs in zip(widths, hidden, strict=False)
             )
             self.head = nn.Linear(widths[-1], classes)
+            # Last, so that the other layers begin alike with and without it.
+            self.decoder = Decoder(channels[-1]) if reconstructs else None
         self.to_empty(device="cpu")
         for parameter in self.parameters():
             if parameter.ndim > 1:
@@ -72,11 +77,18 @@ class ConvNetwork(nn.Module):
 
     def penultimate(self, images: torch.Tensor, dtype=torch.float32) -> torch.Tensor:
         """(n, hidden[-1]) the last layer before the logits, after its ReLU."""
-        outputs = self.activations(images, dtype)[-1].flatten(1)
-        for layer in self.hidden:
-            outputs = torch.relu(layer(outputs))
-        return outputs
+        return self._rectified(self.activations(images, dtype)[-1])
+
+    def logits(self, last: torch.Tensor) -> torch.Tensor:
+        """(n, classes) of the last convolution layer's (n, c, h, w) output."""
+        return self.head(self._rectified(last))
 
     def forward(self, images: torch.Tensor, dtype=torch.float32) -> torch.Tensor:
         """(n, classes) logits."""
-        return self.head(self.penultimate(images, dtype))
+        return self.logits(self.activations(images, dtype)[-1])
+
+    def _rectified(self, last: torch.Tensor) -> torch.Tensor:
+        outputs = last.flatten(1)
+        for layer in self.hidden:
+            outputs = torch.relu(layer(outputs))
+        return outputs

@@ -1,6 +1,6 @@
 """How raw vectors are scaled before distances between them mean anything."""
 
-from typing import Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,17 @@ LEAST_RELATIVE_STD = 0.1
 
 
 class Scaling(Protocol):
-    """A fitted map of (n, d) vectors to (n, d) vectors of comparable entries."""
+    """A fitted map of (n, d) vectors to (n, k <= d) vectors of comparable entries."""
 
-    def fit(self, X: NDArray) -> Self:
-        """Fit to (n, d) vectors."""
+    uses_displaced: ClassVar[bool]
+    """whether `fit` needs `displaced`, the vectors of displaced states"""
+
+    def fit(self, X: NDArray, displaced: NDArray | None = None) -> Self:
+        """Fit to (n, d) vectors of training states and (m, d) of displaced ones."""
         ...
 
     def transform(self, X: NDArray) -> NDArray[np.float32]:
-        """(n, d) scaled vectors."""
+        """(n, k) scaled vectors."""
         ...
 
     def arrays(self) -> Arrays:
@@ -38,8 +41,11 @@ class Scaling(Protocol):
 class Standardisation:
     """Zero mean and unit standard deviation, with a floor for features that (nearly) never move."""
 
-    def fit(self, X: NDArray) -> Self:
+    uses_displaced: ClassVar[bool] = False
+
+    def fit(self, X: NDArray, displaced: NDArray | None = None) -> Self:
         """Fit to (n, d) vectors; ParameterError where they are empty or not finite."""
+        del displaced
         X = np.asarray(X, dtype=np.float64)
         if X.ndim != 2 or len(X) == 0 or not np.isfinite(X).all():
             raise ParameterError(
@@ -74,11 +80,14 @@ class Whitening:
     Small directions are kept, since what is unseen lies there; shrinkage stops them exploding.
     """
 
+    uses_displaced: ClassVar[bool] = False
+
     def __init__(self) -> None:
         self.standardisation = Standardisation()
 
-    def fit(self, X: NDArray) -> Self:
+    def fit(self, X: NDArray, displaced: NDArray | None = None) -> Self:
         """Fit to (n, d) vectors; ParameterError where they are empty or not finite."""
+        del displaced
         Z = self.standardisation.fit(X).transform(X).astype(np.float64)
         covariance = LedoitWolf(assume_centered=True).fit(Z).covariance_
         values, vectors = np.linalg.eigh(covariance)

@@ -40,9 +40,8 @@ def make_support(name: str = DEFAULT_SUPPORT, **hyperparameters: Any) -> Support
     return SUPPORTS[name](**hyperparameters)
 
 
-def planned_support(plan: LearningPlan) -> SupportEstimator:
-    """A fresh estimator as `plan` wants it; its bandwidth factor is for those that have one."""
-    support = make_support(plan.support, nu=plan.nu)
-    if "bandwidth_factor" not in inspect.signature(type(support)).parameters:
-        return support
-    return make_support(plan.support, nu=plan.nu, bandwidth_factor=plan.bandwidth_factor)
+def support_hyperparameters(plan: LearningPlan) -> dict[str, Any]:
+    """What `plan` sets of its estimator; the bandwidth factor is for those that have one."""
+    asked = {"nu": plan.nu, "bandwidth_factor": plan.bandwidth_factor}
+    taken = inspect.signature(type(make_support(plan.support))).parameters
+    return {name: value for name, value in asked.items() if name in taken}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
+from sheath_manip.support.dual_support import MAX_POINTS
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.support.vectors import checked_agreement, checked_training
 
@@ -24,7 +25,7 @@ class AgreeingSupport:
         self,
         nu: float = 0.05,
         bandwidth_factor: float = 1.0,
-        max_points: int = 4000,
+        max_points: int = MAX_POINTS,
         seed: int = 0,
     ) -> None:
         """Store the hyperparameters, which are those of `OneClassSupport`."""

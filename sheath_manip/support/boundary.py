@@ -7,9 +7,6 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 
-# At nu = 1 every dual sits at its bound, and libsvm finds no offset.
-MOST_NU = 0.999
-
 
 def check_share(name: str, value: float) -> None:
     """ParameterError where `value` is no share of the training points."""

@@ -5,12 +5,13 @@ on them a threshold may stay while the support is refitted less and less (CRSAIL
 again each round; a budget, which looks at what the policy visits, must be found again each round.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.plan import LearningPlan
 
 # One lap calibrates badly (.84-.99 of a new lap inside), three pooled ones well (.94-.96).
 LEAST_EPISODES = 3
@@ -129,6 +130,23 @@ def budget_threshold(scores: NDArray, expert_share: float) -> float:
             f"at least that without one"
         )
     return float(ordered[below])
+
+
+ThresholdRule = Callable[[Sequence[NDArray], Sequence[NDArray], LearningPlan], float]
+"""from the scores of held-out expert episodes and of what the policy met last, and the plan"""
+
+THRESHOLD_RULES: dict[str, ThresholdRule] = {
+    "steps": lambda held_out, _, plan: held_out_threshold(held_out, plan.false_alarm_rate),
+    "episodes": lambda held_out, _, plan: episode_threshold(held_out, plan.false_alarm_rate),
+    "budget": lambda _, met, plan: budget_threshold(np.concatenate(met), plan.expert_budget),
+}
+
+
+def threshold_rule(name: str) -> ThresholdRule:
+    """The rule; raises UnknownNameError."""
+    if name not in THRESHOLD_RULES:
+        raise UnknownNameError("threshold rule", name, THRESHOLD_RULES)
+    return THRESHOLD_RULES[name]
 
 
 def _check_between(name: str, value: float) -> None:

@@ -5,14 +5,14 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
-from sheath_manip.support.vectors import LARGEST
+from sheath_manip.support.gaussian import GaussianColumns, row_factor
 
-# Rows scored at once: their kernel with 4000 support vectors takes 16 MB.
-SCORE_BATCH = 1024
+# exp(-104) is 0 in float32.
+LEAST_EXPONENT = 104.0
 
 
 class KernelSum:
-    """x ↦ Σ w_i exp(-|x - center - v_i|²/c) in float32, one matrix product for all rows."""
+    """x ↦ Σ w_i exp(-|x - center - v_i|²/c), in float32 once the center is taken off."""
 
     def __init__(self, center: NDArray, vectors: NDArray, weights: NDArray, c: float) -> None:
         """Take (d,) center, (m, d) vectors less it, (m,) weights and the bandwidth c > 0."""
@@ -21,28 +21,23 @@ class KernelSum:
                 f"support vectors have shape {vectors.shape}; wanted {(len(weights), len(center))}"
             )
         self.c = c
-        self.center = np.asarray(center, dtype=np.float32)
+        # In float32 little would be left of data far from 0 for its spread.
+        self.center = np.asarray(center, dtype=np.float64)
         self.vectors = np.ascontiguousarray(vectors, dtype=np.float32)
         self.weights = np.asarray(weights, dtype=np.float32)
-        # exp(-|x - v|²/c) = exp(2x·v/c - |v|²/c - |x|²/c): only the first term needs both.
-        self._offsets = np.einsum("md,md->m", self.vectors, self.vectors) / np.float32(c)
+        self._columns = GaussianColumns(self.vectors, self.weights, c)
+        largest = np.vecdot(self.vectors, self.vectors).max(initial=0) / c
+        self._reach = float(np.sqrt(largest) + np.sqrt(LEAST_EXPONENT)) ** 2
 
     def __call__(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) for (n, d) rows; NaN for rows that are not finite."""
-        sums = np.empty(len(X))
-        for start in range(0, len(X), SCORE_BATCH):
-            rows = X[start : start + SCORE_BATCH]
-            near = np.clip(rows, -LARGEST, LARGEST).astype(np.float32) - self.center
-            squares = np.einsum("nd,nd->n", near, near) / np.float32(self.c)
-            near *= np.float32(2 / self.c)
-            kernel = near @ self.vectors.T
-            kernel -= self._offsets
-            kernel -= squares[:, None]
-            np.minimum(kernel, 0, out=kernel)
-            np.exp(kernel, out=kernel)
-            part = (kernel @ self.weights).astype(np.float64)
-            part[~np.isfinite(rows).all(axis=1)] = np.nan
-            sums[start : start + SCORE_BATCH] = part
+        rows = row_factor(X, self.center, self.c)
+        within = rows[:, -2] <= self._reach
+        if within.all():
+            return self._columns.sums(rows)
+        # What is out of reach of every vector sums to 0, and its square may not even fit float32.
+        sums = np.where(np.isfinite(X).all(axis=1), 0.0, np.nan)
+        sums[within] = self._columns.sums(rows[within])
         return sums
 
     def arrays(self) -> Arrays:

@@ -10,36 +10,22 @@ Their code leaves y out of ρ, which can then be negative, so that states FAR AW
 no state passes that the sum does not speak for.
 """
 
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.svm import OneClassSVM
 
-from sheath_manip.protocols import Arrays
-from sheath_manip.support.boundary import (
-    MOST_NU,
-    check_least,
-    check_positive,
-    check_share,
-    svm_boundary,
-)
-from sheath_manip.support.kernel_sum import KernelSum
-from sheath_manip.support.vectors import (
-    checked_agreement,
-    checked_rows,
-    checked_training,
-    median_squared_distance,
-    squared_distances,
-)
+from sheath_manip.support.boundary import check_share, svm_boundary
+from sheath_manip.support.dual_support import MAX_POINTS, DualSupport
+from sheath_manip.support.vectors import checked_rows
 
-# A smaller offset is not told from 0: sums are float32, and libsvm solves to 1e-6. Without errors
-# it is at least 1 / max_points, the least square sum of duals that sum to 1.
+# A smaller offset is not told from 0: sums are float32, and libsvm solves to 1e-6. But without
+# errors it is at least 1/n, the least square sum of duals that sum to 1, and there it counts.
 LEAST_RHO = 1e-4
 
 
-class LossAwareSupport:
-    """One-class SVM with k(x, y) = exp(-|x - y|²/c) that pushes the policy's errors outside.
+class LossAwareSupport(DualSupport):
+    """One-class SVM that pushes the policy's errors outside.
 
     Where the policy agrees everywhere it is the plain one. Where errors and agreement are so mixed
     that nothing separates them (ρ <= 0), everything is outside.
@@ -52,7 +38,7 @@ class LossAwareSupport:
         nu: float = 0.05,
         nu_error: float = 0.9,
         bandwidth_factor: float = 1.0,
-        max_points: int = 4000,
+        max_points: int = MAX_POINTS,
         seed: int = 0,
     ) -> None:
         """Store the hyperparameters.
@@ -67,51 +53,18 @@ class LossAwareSupport:
                 reset to the nu-quantile of the scores of all points that the policy gets right.
             seed: of that draw, and of the one for the median distance.
         """
-        self.nu = nu
+        super().__init__(nu, bandwidth_factor, max_points, seed)
         self.nu_error = nu_error
-        self.bandwidth_factor = bandwidth_factor
-        self.max_points = max_points
-        self.seed = seed
 
-    def fit(self, X: NDArray, agrees: NDArray | None = None) -> Self:
-        """Fit to (n, d) finite vectors, n >= 2, and (n,) bool: the policy is right there."""
-        check_share("nu", self.nu)
+    def bounds(self, agrees: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(n,) 1/(ν n) and 1 where the policy is right, 1/(ν_error n) and -1 where it errs."""
         check_share("nu_error", self.nu_error)
-        check_positive(bandwidth_factor=self.bandwidth_factor)
-        check_least({"max_points": (self.max_points, 2)})
-        X = checked_training(X)
-        agrees = checked_agreement(agrees, len(X))
-        rng = np.random.default_rng(self.seed)
-        chosen = np.arange(len(X))
-        if len(X) > self.max_points:
-            chosen = rng.choice(len(X), self.max_points, replace=False)
-        center = X[chosen].mean(axis=0)
-        points = X[chosen] - center
-        self.c_ = self.bandwidth_factor * median_squared_distance(points, rng)
+        most = 1 / (np.where(agrees, self.nu, self.nu_error) * len(agrees))
+        return most, np.where(agrees, 1.0, -1.0)
 
-        gram = np.exp(squared_distances(points) / -self.c_)
-        signs = np.where(agrees[chosen], 1.0, -1.0)
-        support, duals, rho = self._solved(gram, signs)
-        self.kernel_sum_ = KernelSum(center, points[support], signs[support] * duals, self.c_)
-        if len(X) > self.max_points and agrees.any():
-            rho = float(np.quantile(self.kernel_sum_(X[agrees]), self.nu, method="lower"))
-        self.rho_ = svm_boundary(rho, self.nu) if rho > LEAST_RHO else np.inf
-        return self
-
-    def _solved(
-        self, gram: NDArray[np.float64], signs: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int32], NDArray[np.float64], float]:
-        """(s,) indices of the support vectors, their (s,) duals, which sum to 1, and ρ."""
-        # libsvm bounds a dual by its sample's weight and makes them sum to nu · Σ weights, so both
-        # are the dual above times m.
-        weights = np.where(signs > 0, 1 / self.nu, 1 / self.nu_error)
-        machine = OneClassSVM(
-            kernel="precomputed", nu=min(MOST_NU, len(signs) / weights.sum()), tol=1e-6
-        )
-        machine.fit(gram * signs * signs[:, None], sample_weight=weights)
-        duals = np.asarray(machine.dual_coef_)[0]
-        total = duals.sum()
-        return machine.support_, duals / total, float(np.ravel(machine.offset_)[0] / total)
+    def boundary(self, rho: float, count: int) -> float:
+        """ρ less a margin for rounding, or infinite."""
+        return svm_boundary(rho, self.nu) if rho > min(LEAST_RHO, 0.5 / count) else np.inf
 
     def decision_function(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) Σ y_i α_i k(x_i, x) - ρ: positive inside, NaN for rows that are not finite.
@@ -122,14 +75,3 @@ class LossAwareSupport:
         """
         sums = self.kernel_sum_(checked_rows(X, len(self.kernel_sum_.center)))
         return np.where(sums <= 0, -np.inf, sums - self.rho_)
-
-    def arrays(self) -> Arrays:
-        """Center (d,), vectors less it (m, d), signed weights (m,), rho (inf: all out) and c."""
-        return {**self.kernel_sum_.arrays(), "rho": np.array(self.rho_)}
-
-    def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`; ParameterError where their shapes do not belong together."""
-        self.kernel_sum_ = KernelSum.of(arrays)
-        self.c_ = self.kernel_sum_.c
-        self.rho_ = float(arrays["rho"])
-        return self

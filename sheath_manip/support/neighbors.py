@@ -6,11 +6,10 @@ a point an outlier where too few others lie within a distance D. Here D is the n
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.neighbors import NearestNeighbors
 
 from sheath_manip.protocols import Arrays
 from sheath_manip.support.boundary import check_least
-from sheath_manip.support.quantile_support import QuantileSupport
+from sheath_manip.support.quantile_support import SCORE_BATCH, QuantileSupport
 
 
 class NeighborSupport(QuantileSupport):
@@ -35,11 +34,16 @@ class NeighborSupport(QuantileSupport):
         """(n,) minus each vector's distance to the k-th nearest of the others."""
         check_least({"neighbors": (self.neighbors, 1)})
         self._index(Z)
-        return -self.search_.kneighbors()[0][:, -1].astype(np.float64)
+        return np.concatenate(
+            [
+                -self._distances(Z[start : start + SCORE_BATCH], start)
+                for start in range(0, len(Z), SCORE_BATCH)
+            ]
+        )
 
     def rate(self, Z: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n,) minus the distance to the k-th nearest training vector."""
-        return -self.search_.kneighbors(Z)[0][:, -1].astype(np.float64)
+        return -self._distances(Z)
 
     def learned(self) -> Arrays:
         """The (n, d) training vectors."""
@@ -51,6 +55,20 @@ class NeighborSupport(QuantileSupport):
 
     def _index(self, vectors: NDArray[np.float32]) -> None:
         self.vectors_ = vectors
-        count = min(self.neighbors, len(vectors) - 1)
-        # Trees do not pay at the dimensions of an embedding.
-        self.search_ = NearestNeighbors(n_neighbors=count, algorithm="brute").fit(vectors)
+        self._squares = np.vecdot(vectors, vectors)
+        # Laid out so that one row times it runs fastest.
+        self._columns = np.ascontiguousarray(-2 * vectors.T)
+
+    def _distances(self, Z: NDArray[np.float32], own: int | None = None) -> NDArray[np.float64]:
+        """(n,) to the k-th nearest; vector `own` + i is not a neighbour of row i."""
+        # |z - v|² less |z|², which does not matter for who is nearest.
+        apart = Z @ self._columns
+        apart += self._squares
+        if own is not None:
+            rows = np.arange(len(Z))
+            apart[rows, own + rows] = np.inf
+        count = min(self.neighbors, len(self.vectors_) - 1)
+        kth = np.partition(apart, count - 1, axis=1)[:, count - 1]
+        # Anew from the differences, since the squares' rounding hides small distances.
+        gaps = self.vectors_[(apart == kth[:, None]).argmax(axis=1)] - Z
+        return np.sqrt(np.vecdot(gaps, gaps), dtype=np.float64)

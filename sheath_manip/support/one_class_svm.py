@@ -5,35 +5,18 @@ calls nu the mass inside the support; it is the other way round: nu bounds the s
 points left outside.
 """
 
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.svm import OneClassSVM
 
-from sheath_manip.protocols import Arrays
-from sheath_manip.support.boundary import (
-    MOST_NU,
-    check_least,
-    check_positive,
-    check_share,
-    svm_boundary,
-)
-from sheath_manip.support.kernel_sum import KernelSum
-from sheath_manip.support.vectors import (
-    checked_rows,
-    checked_training,
-    median_squared_distance,
-    squared_distances,
-)
+from sheath_manip.support.boundary import svm_boundary
+from sheath_manip.support.dual_support import MAX_POINTS, DualSupport
+from sheath_manip.support.vectors import checked_rows
 
 
-class OneClassSupport:
-    """One-class SVM with k(x, y) = exp(-|x - y|²/c), its score divided by the sum of the duals.
-
-    The bandwidth c is in the features' units squared, so it is scaled with the data:
-    `bandwidth_factor` times the median squared distance between training points, `c_` once fitted.
-    """
+class OneClassSupport(DualSupport):
+    """The plain one-class SVM: every training state counts alike."""
 
     uses_agreement: ClassVar[bool] = False
 
@@ -41,7 +24,7 @@ class OneClassSupport:
         self,
         nu: float = 0.05,
         bandwidth_factor: float = 1.0,
-        max_points: int = 4000,
+        max_points: int = MAX_POINTS,
         seed: int = 0,
     ) -> None:
         """Store the hyperparameters.
@@ -54,50 +37,18 @@ class OneClassSupport:
                 ALL points, so that nu keeps its meaning.
             seed: of that draw, and of the one for the median distance.
         """
-        self.nu = nu
-        self.bandwidth_factor = bandwidth_factor
-        self.max_points = max_points
-        self.seed = seed
+        super().__init__(nu, bandwidth_factor, max_points, seed)
 
-    def fit(self, X: NDArray, agrees: NDArray | None = None) -> Self:
-        """Fit to (n, d) finite vectors, n >= 2; ParameterError for other data or parameters."""
-        del agrees
-        check_share("nu", self.nu)
-        check_positive(bandwidth_factor=self.bandwidth_factor)
-        check_least({"max_points": (self.max_points, 2)})
-        X = checked_training(X)
-        rng = np.random.default_rng(self.seed)
-        chosen = X
-        if len(X) > self.max_points:
-            chosen = X[rng.choice(len(X), self.max_points, replace=False)]
-        # Distances stay, and rounding errors shrink, with the origin among the data.
-        center = chosen.mean(axis=0)
-        points = chosen - center
-        self.c_ = self.bandwidth_factor * median_squared_distance(points, rng)
+    def bounds(self, agrees: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(n,) 1/(ν n) and (n,) 1."""
+        count = len(agrees)
+        return np.full(count, 1 / (self.nu * count)), np.ones(count)
 
-        # One matrix product instead of libsvm's own kernel, which is far slower at 1280 dimensions.
-        gram = np.exp(squared_distances(points) / -self.c_)
-        nu = min(self.nu, MOST_NU)
-        machine = OneClassSVM(kernel="precomputed", nu=nu, tol=1e-6).fit(gram)
-        duals = np.asarray(machine.dual_coef_)[0]
-        self.kernel_sum_ = KernelSum(center, points[machine.support_], duals / duals.sum(), self.c_)
-        rho = float(np.ravel(machine.offset_)[0] / duals.sum())
-        if len(X) > self.max_points:
-            rho = float(np.quantile(self.kernel_sum_(X), self.nu, method="lower"))
-        self.rho_ = svm_boundary(rho, self.nu)
-        return self
+    def boundary(self, rho: float, count: int) -> float:
+        """ρ less a margin for rounding."""
+        del count
+        return svm_boundary(rho, self.nu)
 
     def decision_function(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) Σα_i k(x_i, x)/Σα - ρ/Σα: positive inside, NaN for rows that are not finite."""
         return self.kernel_sum_(checked_rows(X, len(self.kernel_sum_.center))) - self.rho_
-
-    def arrays(self) -> Arrays:
-        """Center (d,), support vectors less it (m, d), weights (m,) that sum to 1, rho and c."""
-        return {**self.kernel_sum_.arrays(), "rho": np.array(self.rho_)}
-
-    def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`; ParameterError where their shapes do not belong together."""
-        self.kernel_sum_ = KernelSum.of(arrays)
-        self.c_ = self.kernel_sum_.c
-        self.rho_ = float(arrays["rho"])
-        return self

@@ -1,14 +1,9 @@
 """What is claimed of `results/driving`."""
 
 from functools import partial
+from itertools import accumulate
 
-from sheath_manip.claims import Claim, Summary
-
-
-def constant(value: float, summary: Summary) -> float:
-    """A bar that does not depend on the summary."""
-    del summary
-    return value
+from sheath_manip.claims import Claim, Summary, constant
 
 
 def failure_rate(method: str, summary: Summary) -> float:
@@ -16,9 +11,50 @@ def failure_rate(method: str, summary: Summary) -> float:
     return summary["methods"][method]["overall"]["failure_rate"]
 
 
-def half_of_daggers(summary: Summary) -> float:
-    """Half of DAgger's executed failure rate."""
-    return failure_rate("dagger", summary) / 2
+def third_of_daggers(summary: Summary) -> float:
+    """A third of DAgger's executed failure rate."""
+    return failure_rate("dagger", summary) / 3
+
+
+def expert_share(summary: Summary) -> float:
+    """Of SHEATH's steps over all rounds."""
+    return summary["methods"]["sheath"]["overall"]["expert_share"]
+
+
+def rounds_above_random(summary: Summary) -> float:
+    """In how many rounds SHEATH failed more often than random takeover of its share."""
+    ours, random = (_executed(summary, method) for method in ("sheath", "random-takeover"))
+    return sum(own > other for own, other in zip(ours, random, strict=False))
+
+
+def rounds_not_below_random_so_far(summary: Summary) -> float:
+    """After how many rounds SHEATH had failed as often as random takeover, or more.
+
+    Counted from the first round on: where neither failed a round tells nothing of its own.
+    """
+    ours, random = (_executed(summary, method) for method in ("sheath", "random-takeover"))
+    pairs = zip(accumulate(ours), accumulate(random), strict=False)
+    return sum(own >= other for own, other in pairs)
+
+
+def _executed(summary: Summary, method: str) -> list[float]:
+    """Failure rates of rounds 1 and up."""
+    rounds = summary["methods"][method]["rounds"][1:]
+    return [entry["executed"]["failure_rate"] for entry in rounds]
+
+
+def laps_lost(summary: Summary) -> float:
+    """Laps that SHEATH's last policy drives less than DAgger's, alone, of the final variant's."""
+    dagger, own = (
+        summary["methods"][method]["final"]["metric"]["laps"] for method in ("dagger", "sheath")
+    )
+    return dagger - own
+
+
+def interval_width(summary: Summary) -> float:
+    """Half the 95 % interval of the final laps of DAgger's last policy."""
+    low, high = summary["methods"]["dagger"]["final"]["ci95"]["laps"]
+    return (high - low) / 2
 
 
 def experts_failure_rate(summary: Summary) -> float:
@@ -59,11 +95,25 @@ CLAIMS = (
     Claim("wall time, minutes", wall_minutes, "<=", partial(constant, 90)),
     Claim("expert's failure rate", experts_failure_rate, "<=", partial(constant, 0.02)),
     Claim(
-        "SHEATH's executed failure rate, half of DAgger's",
+        "SHEATH's executed failure rate, a third of DAgger's",
         partial(failure_rate, "sheath"),
         "<=",
-        half_of_daggers,
+        third_of_daggers,
     ),
+    Claim("SHEATH's expert share", expert_share, "<=", partial(constant, 0.3)),
+    Claim(
+        "rounds in which SHEATH failed more often than random takeover",
+        rounds_above_random,
+        "<=",
+        partial(constant, 0),
+    ),
+    Claim(
+        "rounds up to which SHEATH failed as often as random takeover",
+        rounds_not_below_random_so_far,
+        "<=",
+        partial(constant, 0),
+    ),
+    Claim("final laps lost to DAgger, its interval", laps_lost, "<=", interval_width),
     Claim(
         "SHEATH's executed failure rate, random takeover's",
         partial(failure_rate, "sheath"),

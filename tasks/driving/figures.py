@@ -159,8 +159,7 @@ def pose_scores(
             for camera in environment.spec.cameras
         }
         features = np.stack([observation.features for observation in batch])
-        vectors = checkpoint.embedding.transform(images, features)
-        scores.append(checkpoint.support.decision_function(vectors))
+        scores.append(checkpoint.signal.scores(images, features))
     return np.concatenate(scores)
 
 

@@ -13,6 +13,7 @@ from sheath_manip.probes import Displacement, Probes
 from sheath_manip.types import Action, Observation
 from tasks.composer_environment import ComposerEnvironment
 from tasks.driving.expert import DrivingExpert
+from tasks.driving.gate_claims import CLAIMS
 from tasks.driving.task import TRAFFIC_SPEED_M_S, DrivingTask
 
 FRONT_GAP_M = 2.1
@@ -77,6 +78,7 @@ PROBES = Probes(
     ),
     regret=regret,
     costly_regret=COSTLY_REGRET,
+    claims=CLAIMS,
 )
 
 

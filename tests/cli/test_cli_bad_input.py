@@ -44,7 +44,10 @@ def _train(complaint, made: Path, tmp_path: Path, *options: object) -> str:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_unknown_task(complaint, verb):
-    assert complaint(verb, "moon", *REST[verb]) == "sheath: unknown task 'moon'; known: corridor\n"
+    said = "unknown task 'moon'; known: corridor"
+    if verb == "experiment":
+        said = "unknown experiment 'moon'; known: corridor, gates"
+    assert complaint(verb, "moon", *REST[verb]) == f"sheath: {said}\n"
 
 
 @pytest.mark.parametrize("verb", ["collect", "run", "evaluate", "dashboard"])
@@ -102,12 +105,23 @@ def test_parameter_outside_its_range(complaint, made, tmp_path, option, value):
         ("experiment", "corridor", "--seeds"),
         ("experiment", "corridor", "--workers", -1),
         ("experiment", "corridor", "--workers", 2, "--dashboard"),
+        ("experiment", "gates", "--rounds", 3),
+        ("experiment", "gates", "--dashboard"),
+        ("experiment", "gates", "--seeds"),
+        ("experiment", "gates", "--workers", -1),
     ],
 )
 def test_count_or_speed_outside_its_range(complaint, argv, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert "wanted" in complaint(*argv)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_plan_of_the_gates_moves_nothing_aside(complaint, tmp_path):
+    (tmp_path / "runs").mkdir()
+    line = complaint("experiment", "gates", "--plan", "x", "--fresh", "--runs", tmp_path / "runs")
+    assert line == "sheath: unknown plan of gates 'x'; known: full, quick\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
 
 
 @pytest.mark.parametrize("argv", [(), ("fly",), ("collect", "corridor"), ("data", "list")])
@@ -255,7 +269,7 @@ def test_score_of_nan_gives_the_expert_the_wheel(sheath, made, tmp_path):
     nan = {
         name: np.full_like(array, np.nan)
         for name, array in arrays.items()
-        if name.startswith("support/") and array.dtype.kind == "f"
+        if name.startswith("signal/") and array.dtype.kind == "f"
     }
     np.savez(tmp_path / "nan.npz", **(arrays | nan))
     argv = ("run", "corridor", "--checkpoint", tmp_path / "nan.npz", "--episodes", 1)

@@ -12,6 +12,7 @@ from sheath_manip.cli import pacing
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.gates.plan import PLANS
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed
@@ -54,7 +55,18 @@ def test_collect_keeps_variants_apart(sheath, tmp_path):
 
 def test_train_says_what_came_of_it(sheath, made, tmp_path):
     checkpoint = tmp_path / "new" / "second.npz"
-    options = ("--policy", "hog-svm", "--embedding", "pixels", "--calibration", 4, "--nu", 0.2)
+    options = (
+        "--policy",
+        "hog-svm",
+        "--signal",
+        "support",
+        "--embedding",
+        "pixels",
+        "--calibration",
+        4,
+        "--nu",
+        0.2,
+    )
     code, out, _ = sheath(
         "train", "corridor", "--store", made / "store", "--checkpoint", checkpoint, *options
     )
@@ -201,6 +213,27 @@ def test_experiment_fresh_keeps_the_earlier_run(sheath, asked, tmp_path):
     kept = [(tmp_path / f"runs-before-{n}" / "plan.json").read_text() for n in (1, 2)]
     assert kept == ["first", "second"]
     assert len(asked) == 2
+
+
+def test_experiment_gates_takes_all_tasks(sheath, monkeypatch, tmp_path):
+    calls = []
+
+    def run_gates(tasks, plan, **options):
+        calls.append({"tasks": list(tasks), "plan": plan} | options)
+
+    monkeypatch.setattr("sheath_manip.experiments.gates.benchmark.run_gates", run_gates)
+    monkeypatch.chdir(tmp_path)
+    assert sheath("experiment", "gates", "--seeds", 1, 2)[0] == 0
+    assert sheath("experiment", "gates", "--quick", "--workers", 0)[0] == 0
+    full, quick = calls
+    assert full["tasks"] == [CORRIDOR]
+    assert full["plan"].seeds == (1, 2)
+    assert (full["runs"], full["results"]) == (Path("runs/gates"), Path("results/gates"))
+    assert full["command"] == "sheath experiment gates --seeds 1 2"
+    assert quick["plan"] == PLANS["quick"]
+    assert quick["workers"] == 0
+    runs = Path("runs/gates-quick")
+    assert (quick["runs"], quick["results"]) == (runs, runs / "results")
 
 
 def test_task_script_has_the_verbs_without_the_task(capsys, tmp_path):

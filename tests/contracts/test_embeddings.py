@@ -9,7 +9,14 @@ from sheath_manip.policies import EMBEDDINGS, make_embedding
 from sheath_manip.support import OneClassSupport
 from tests.blobs import fitted_policy, held_out, training
 
-SPATIAL = ("pooled-convolutions", "pooled-convolutions-whitened", "pixels")
+SPATIAL = (
+    "two-scale-convolutions",
+    "pooled-convolutions",
+    "pooled-convolutions-whitened",
+    "random-convolutions",
+    "pixels",
+    "pixels-whitened",
+)
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +54,25 @@ def test_the_pooled_convolutions_keep_every_layer(embeddings):
     assert vectors.shape == (1, (16 + 32 + 32) * 4 * 4)
 
 
+@pytest.mark.parametrize("name", ["two-scale-convolutions", "foveal-convolutions"])
+def test_contrast_leaves_no_more_numbers(name, embeddings):
+    one = held_out().take(np.arange(1))
+    raw = embeddings[name].vectors(one.images)
+    assert raw.shape == (1, 32 * 4 + (16 * 36 if name == "two-scale-convolutions" else 0))
+    kept = embeddings[name].transform(one.images, one.features).shape[1]
+    assert 0 < kept <= raw.shape[1]
+    assert embeddings[name].arrays()["matrix"].shape == (raw.shape[1], kept)
+
+
+def test_random_convolutions_do_not_depend_on_the_weights(embeddings):
+    some = held_out().take(np.arange(3))
+    other = make_embedding("random-convolutions").fit(fitted_policy("plain-cnn"), training())
+    np.testing.assert_array_equal(
+        other.transform(some.images, some.features),
+        embeddings["random-convolutions"].transform(some.images, some.features),
+    )
+
+
 @pytest.mark.parametrize("name", SPATIAL)
 @pytest.mark.parametrize("change", ["shifted", "occluded"])
 def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
@@ -67,7 +93,7 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
     assert roc_auc_score(truth, np.concatenate(scores)) > 0.99
 
 
-@pytest.mark.parametrize("name", sorted(set(EMBEDDINGS) - {"pixels"}))
+@pytest.mark.parametrize("name", sorted(set(EMBEDDINGS) - {"pixels", "pixels-whitened"}))
 def test_convolutions_are_asked_for_in_one_line(name):
     with pytest.raises(ParameterError, match="needs a policy with convolutions") as caught:
         make_embedding(name).fit(fitted_policy("hog-svm"), training())

@@ -8,6 +8,8 @@ from PIL import Image
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures import NothingToShowError
+from sheath_manip.signals import SignalChoice
+from sheath_manip.signals.support import SupportSignal
 from tasks.composer_environment import ComposerEnvironment
 from tasks.driving import figures
 from tasks.driving.figures import draw_support, gate_map, pose_scores, support
@@ -31,6 +33,9 @@ class OnTheRoad:
         return 15.0 - X[:, 0]
 
 
+CHOICE = SignalChoice("support", "green", "road", "green")
+
+
 @pytest.fixture(scope="module")
 def environment():
     environment = ComposerEnvironment(DrivingTask())
@@ -42,7 +47,7 @@ def environment():
 def checkpoint() -> Checkpoint:
     part = SimpleNamespace()
     return Checkpoint(
-        "driving", "none", part, "green", GreenEmbedding(), "road", OnTheRoad(),  # type: ignore[arg-type]
+        "driving", "none", part, CHOICE, SupportSignal(GreenEmbedding(), OnTheRoad()),  # type: ignore[arg-type]
         0.0, 0.05, "sheath", 2, 0,
     )  # fmt: skip
 

@@ -1,18 +1,20 @@
 """Where a policy is right, judged by fits to other episodes."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Self, cast
 
 import numpy as np
 import pytest
 
-from sheath_manip.aggregate import fit_gate
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.fitting import fit_gate
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.protocols import Policy
+from sheath_manip.signals.support import SupportSignal
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
 from tests.blobs import SPEC, blob_samples, fitted_policy
 
@@ -87,21 +89,23 @@ def test_a_gate_asks_for_it_only_where_the_support_uses_it():
     labels[odd] = -labels[odd]
     training = replace(training, labels=labels)
     held_out = [blob_samples(50, seed=10 + i) for i in range(3)]
-    plan = LearningPlan(policy="hog-svm", embedding="pixels")
+    plan = LearningPlan(policy="hog-svm", signal="support", embedding="pixels")
     fits = []
 
     def fresh() -> Policy:
         fits.append(1)
         return make_policy("hog-svm", SPEC)
 
-    fit_gate(policy, training, held_out, plan, "blobs", fresh_policy=fresh)
+    judge = partial(held_out_agreement, fresh, training)
+    fit_gate(policy, training, held_out, plan, "blobs", agreement=judge)
     assert not fits
     aware = replace(plan, support="loss-aware-svm")
-    with pytest.raises(ParameterError, match="wanted `fresh_policy`"):
+    with pytest.raises(ParameterError, match="wanted `agreement`"):
         fit_gate(policy, training, held_out, aware, "blobs")
     # The SVM of 200 states of two opinions leaves some held-out states without support.
     aware = replace(aware, false_alarm_rate=0.5)
-    fitted = fit_gate(policy, training, held_out, aware, "blobs", fresh_policy=fresh)
+    fitted = fit_gate(policy, training, held_out, aware, "blobs", agreement=judge)
     assert len(fits) == 3
-    assert isinstance(fitted.support, LossAwareSupport)
-    assert (fitted.support.kernel_sum_.weights < 0).any()
+    assert isinstance(fitted.signal, SupportSignal)
+    assert isinstance(fitted.signal.support, LossAwareSupport)
+    assert (fitted.signal.support.kernel_sum_.weights < 0).any()

@@ -6,6 +6,7 @@ import torch
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.cnn import ConvPolicy
+from sheath_manip.policies.reconstruction import reconstruction_loss
 from tests.blobs import SPEC, blob_samples, fitted_policy, held_out, observation_of
 
 
@@ -64,3 +65,53 @@ def test_shapes_that_cannot_be():
         ConvPolicy(SPEC, channels=(8, 8, 8, 8)).fit(samples)
     with pytest.raises(ParameterError, match="not those of a network"):
         ConvPolicy(SPEC, hidden=(8,)).load(fitted_policy("cnn").arrays())
+
+
+def test_the_image_is_painted_back_better_with_every_fit():
+    samples = blob_samples(100, seed=10)
+    policy = ConvPolicy(SPEC, epochs=1, batch_size=20, warm_steps=60)
+
+    def painting_loss() -> float:
+        network, last = policy.network_, policy.activations(samples.images)[-1]
+        assert network is not None
+        assert network.decoder is not None
+        with torch.inference_mode():
+            pictures = network.decoder(last)
+            assert tuple(pictures.shape) == (100, 3, 24, 24)
+            return float(reconstruction_loss(pictures, samples.images["top"]))
+
+    policy.fit(samples)
+    first = painting_loss()
+    policy.load(policy.arrays())
+    assert painting_loss() == first
+    policy.fit(samples)
+    assert painting_loss() < 0.7 * first
+
+
+def test_at_weight_0_nothing_is_painted_and_the_rest_begins_the_same():
+    samples = blob_samples(20, seed=11)
+    painting, plain = (
+        ConvPolicy(SPEC, epochs=1, learning_rate=0.0, reconstruction_weight=weight).fit(samples)
+        for weight in (1.0, 0.0)
+    )
+    decoder = {name for name in painting.arrays() if name.startswith("decoder.")}
+    assert decoder
+    assert set(plain.arrays()) == set(painting.arrays()) - decoder
+    for name, array in plain.arrays().items():
+        np.testing.assert_array_equal(array, painting.arrays()[name])
+    with pytest.raises(ParameterError, match="reconstruction weight 0"):
+        ConvPolicy(SPEC, reconstruction_weight=0.0).load(painting.arrays())
+
+
+@pytest.mark.parametrize("name", ["paper-cnn", "plain-cnn"])
+def test_the_drafts_network_and_the_plain_one_paint_nothing(name):
+    assert not any(key.startswith("decoder.") for key in fitted_policy(name).arrays())
+
+
+def test_an_untrained_policy_has_the_shape_and_the_seeds_weights():
+    policy = ConvPolicy(SPEC, channels=(4, 8), hidden=(16,), seed=1)
+    five = held_out().take(np.arange(5)).images
+    first, again, other = (policy.untrained(seed).activations(five) for seed in (2, 2, 3))
+    assert [layer.shape[1] for layer in first] == [4, 8]
+    assert torch.equal(first[-1], again[-1])
+    assert not torch.equal(first[-1], other[-1])

@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sheath_manip.aggregate import fit_gate
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.fitting import fit_gate
 from sheath_manip.gates import AlwaysExpert, SupportGate
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import EMBEDDINGS, POLICIES, make_embedding
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.rollout import rollout
+from sheath_manip.signals import make_signal
+from sheath_manip.signals.support import SupportSignal
 from sheath_manip.support import make_support
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
 from tasks.composer_environment import ComposerEnvironment
@@ -23,7 +25,7 @@ from tasks.driving.task import DrivingTask, Scenario
 
 DEMONSTRATIONS, CALIBRATION = 3, 3
 FALSE_ALARM_RATE = 0.1
-PLAN = LearningPlan(policy="small-cnn", false_alarm_rate=FALSE_ALARM_RATE)
+PLAN = LearningPlan(policy="small-cnn", signal="support", false_alarm_rate=FALSE_ALARM_RATE)
 
 
 class Drive:
@@ -62,7 +64,8 @@ def drive():
 
 
 def vectors(checkpoint: Checkpoint, samples: Samples) -> np.ndarray:
-    return checkpoint.embedding.transform(samples.images, samples.features)
+    assert isinstance(checkpoint.signal, SupportSignal)
+    return checkpoint.signal.embedding.transform(samples.images, samples.features)
 
 
 @pytest.mark.parametrize("nu", [0.01, 0.05, 0.2, 0.5])
@@ -118,12 +121,9 @@ class Blind:
 
 
 def test_without_a_score_the_expert_drives(drive):
-    points = np.random.default_rng(0).normal(size=(50, 8))
-    blind = replace(
-        drive.checkpoint,
-        embedding=Blind(),  # pyright: ignore[reportArgumentType]
-        support=make_support(PLAN.support).fit(points),
-    )
+    support = make_support(PLAN.support).fit(np.random.default_rng(0).normal(size=(50, 8)))
+    signal = SupportSignal(Blind(), support)  # pyright: ignore[reportArgumentType]
+    blind = replace(drive.checkpoint, signal=signal)
     episode = drive.lap(SupportGate(blind.score, blind.threshold), seed=20)
     assert episode.outcome is Outcome.SUCCESS
     assert {step.decision.actor for step in episode.steps} == {Actor.EXPERT}
@@ -139,9 +139,9 @@ def test_a_network_of_nan_leaves_the_wheel_to_the_expert(drive):
         for key, array in drive.policy.arrays().items()
     }
     broken = ConvPolicy(drive.task.spec, (8, 16), (32,)).load(arrays)
-    embedding = make_embedding("foveal-convolutions")
-    embedding.load(broken, drive.checkpoint.embedding.arrays())
-    checkpoint = replace(drive.checkpoint, policy=broken, embedding=embedding)
+    signal = make_signal(drive.checkpoint.signal_choice)
+    signal.load(broken, drive.checkpoint.signal.arrays())
+    checkpoint = replace(drive.checkpoint, policy=broken, signal=signal)
     seen = drive.environment.reset(3)
     assert np.isnan(checkpoint.score(seen))
     decision = SupportGate(checkpoint.score, checkpoint.threshold).decide(seen, broken.act(seen))

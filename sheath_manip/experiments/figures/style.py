@@ -121,9 +121,19 @@ def round_axis(axes: Axes, rounds: int, label: bool = True) -> None:
 
 def percent_axis(axes: Axes) -> None:
     """Shares 0 .. 1 along y, written in per cent."""
-    axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
+    axes.yaxis.set_major_formatter(_percent)
+
+
+def percent_axes(axes: Axes) -> None:
+    """Shares 0 .. 1 along x and y, written in per cent."""
+    axes.xaxis.set_major_formatter(_percent)
+    axes.yaxis.set_major_formatter(_percent)
 
 
 def last_round(summary: Mapping[str, Any]) -> int:
     """The highest round that any method has."""
     return max(method["rounds"][-1]["round"] for method in summary["methods"].values())
+
+
+def _percent(value: float, _: float) -> str:
+    return f"{100 * value:.0f} %"

@@ -1,0 +1,62 @@
+"""`sheath experiment gates`: every gate on every task that has probes, resumable."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.experiments.gates.figures import draw
+from sheath_manip.experiments.gates.jobs import stages
+from sheath_manip.experiments.gates.plan import GatesPlan
+from sheath_manip.experiments.gates.setting import Setting
+from sheath_manip.experiments.gates.summary import summarise
+from sheath_manip.experiments.gates.table import tables
+from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.resuming import require_same_plan
+from sheath_manip.experiments.workers import in_stages, run_jobs
+from sheath_manip.results import write_json
+from sheath_manip.task import TaskEntry
+
+
+def run_gates(
+    tasks: Iterable[TaskEntry],
+    plan: GatesPlan,
+    *,
+    runs: Path,
+    results: Path,
+    command: str,
+    workers: int = 2,
+    console: Console | None = None,
+) -> dict[str, Any]:
+    """Run or resume the benchmark under `runs`; write summary.json and figures to `results`.
+
+    With `workers` 0 all runs in this process. Returns the summary.
+    """
+    console = console or Console()
+    settings = [
+        Setting(task, plan, runs / task.name, seed)
+        for task in tasks
+        if task.probes is not None
+        for seed in plan.seeds
+    ]
+    if not settings:
+        raise ParameterError("no task has probes to test gates with; wanted at least one")
+    for at in settings:
+        learning = {**at.learning.described(), "seeds": None}
+        require_same_plan({**plan.settings(), "learning_plan": learning}, at.runs / "plan.json")
+        EpisodeStore.create(at.runs / "store")
+    stopwatch = Stopwatch(runs / "wall.json")
+    jobs = stages(settings)
+    units = sum(job.units() for stage in jobs for job in stage)
+    with shown_progress(console, units, stopwatch) as report:
+        run_jobs(*in_stages(jobs), workers, report)
+    summary = summarise(settings, plan, command, stopwatch.tick(force=True))
+    write_json(results / "summary.json", summary)
+    paths = draw(settings, summary, results)
+    console.print(tables(summary))
+    for path in (results / "summary.json", *paths):
+        console.print(f"  {path}")
+    return summary

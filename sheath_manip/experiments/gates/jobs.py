@@ -1,0 +1,206 @@
+"""The benchmark's jobs: what is recorded, what is scored, what is driven. Each is resumable."""
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sheath_manip.aggregate import LearningRun
+from sheath_manip.evaluation import Report
+from sheath_manip.experiments.gates.displaced import displaced_states
+from sheath_manip.experiments.gates.loop import Size, run_loop, write_loop
+from sheath_manip.experiments.gates.offline import evidence, measured
+from sheath_manip.experiments.gates.plan import GatesPlan
+from sheath_manip.experiments.gates.remembered import Shared
+from sheath_manip.experiments.gates.rows import BASELINES, Row, rows
+from sheath_manip.experiments.gates.setting import Setting
+from sheath_manip.experiments.gates.visited import record_visits
+from sheath_manip.fitting import fit_gate
+from sheath_manip.policies import make_policy
+from sheath_manip.policies.agreement import held_out_agreement
+from sheath_manip.protocols import Listener, Policy
+from sheath_manip.results import plain, write_json
+from sheath_manip.seeding import seed_for
+from sheath_manip.signals import planned_signal
+
+
+@dataclass(frozen=True)
+class Demonstrate:
+    """Record the expert, and fit the policy that all gates watch over."""
+
+    setting: Setting
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do what is not done yet."""
+        at = self.setting
+        run = LearningRun(at.task, at.learning, at.seed, at.runs, at.store(), listeners, report)
+        try:
+            run.start()
+        finally:
+            run.close()
+
+    def units(self) -> int:
+        """How often it reports."""
+        plan = self.setting.learning
+        return plan.demonstrations + plan.calibration + plan.check + 1
+
+
+@dataclass(frozen=True)
+class Displace:
+    """Make the displaced states."""
+
+    setting: Setting
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        displaced_states(self.setting, report)
+
+    def units(self) -> int:
+        """How often it reports."""
+        return min(self.setting.plan.displaced_episodes, self.setting.learning.check)
+
+
+@dataclass(frozen=True)
+class Visit:
+    """Let the policy drive alone and record its mistakes."""
+
+    setting: Setting
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do what is not done yet."""
+        del listeners
+        record_visits(self.setting, report)
+
+    def units(self) -> int:
+        """How often it reports."""
+        return self.setting.plan.visited
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Find out where policies that have not seen a demonstrated state do as the expert there."""
+
+    setting: Setting
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        at = self.setting
+        path = at.agreement_path()
+        if not path.exists():
+            environment = at.task.make()
+            spec = environment.spec
+            environment.close()
+
+            def fresh_policy() -> Policy:
+                return make_policy(at.learning.policy, spec, seed_for("policy", at.seed))
+
+            agrees = held_out_agreement(fresh_policy, at.demonstrations())
+            aside = path.with_suffix(".part")
+            with aside.open("wb") as file:
+                np.save(file, agrees)
+            aside.replace(path)
+        report("cross-fitted policies")
+
+    def units(self) -> int:
+        """How often it reports."""
+        return 1
+
+
+@dataclass(frozen=True)
+class Score:
+    """Fit the gates of one embedding and hold them against the recorded states."""
+
+    setting: Setting
+    rows: tuple[Row, ...]
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do what is not done yet."""
+        del listeners
+        at = self.setting
+        missing = [row for row in self.rows if not at.offline_path(row.name).exists()]
+        for _ in range(len(self.rows) - len(missing)):
+            report("gate")
+        if not missing:
+            return
+        environment = at.task.make()
+        spec = environment.spec
+        environment.close()
+        cloned, states, seen = at.cloned(spec), at.demonstrations(), evidence(at)
+        shared = Shared()
+        for row in missing:
+            gate = fit_gate(
+                cloned.policy,
+                states,
+                seen.calibration,
+                row.plan,
+                spec.name,
+                run_seed=at.seed,
+                agreement=lambda: np.load(at.agreement_path()),
+                signal=shared.signal(planned_signal(row.plan)),
+            )
+            gate.save(at.checkpoint_path(row.name))
+            offline = measured(gate, seen, at)
+            write_json(at.offline_path(row.name), plain(dataclasses.asdict(offline)))
+            report(f"gate {row.name}")
+
+    def units(self) -> int:
+        """How often it reports."""
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Put one gate into the loop."""
+
+    setting: Setting
+    row: str
+    size: Size
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        path = self.setting.loop_path(self.row)
+        if not path.exists():
+            write_loop(path, run_loop(self.setting, self.row, self.size, report))
+
+    def units(self) -> int:
+        """How often it reports."""
+        rates = self.setting.plan.rates
+        gates = BASELINES[self.row](rates) if self.row in BASELINES else rates
+        return len(gates) * self.size.episodes + self.size.held_out
+
+
+AnyJob = Demonstrate | Displace | Visit | Judge | Score | Drive
+
+
+def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
+    """What must be done before what, the most interesting first."""
+    score: list[AnyJob] = []
+    first: list[AnyJob] = []
+    others: list[AnyJob] = []
+    for at in settings:
+        listed = rows(at.plan, at.learning)
+        embeddings = dict.fromkeys(row.plan.embedding for row in listed)
+        for name in embeddings:
+            score.append(Score(at, tuple(row for row in listed if row.plan.embedding == name)))
+        main, other = main_size(at.plan), other_size(at.plan)
+        first += [Drive(at, name, main) for name in BASELINES]
+        first += [Drive(at, row.name, main) for row in listed if row.main]
+        others += [Drive(at, row.name, other) for row in listed if not row.main]
+    recorded: list[AnyJob] = [
+        job for at in settings for job in (Visit(at), Judge(at), Displace(at))
+    ]
+    return [[Demonstrate(at) for at in settings], recorded, score, [*first, *others]]
+
+
+def main_size(plan: GatesPlan) -> Size:
+    """Of the baselines and of rows that differ from the default in one part at most."""
+    return Size(plan.episodes, plan.held_out)
+
+
+def other_size(plan: GatesPlan) -> Size:
+    """Of the rest of the grid."""
+    return Size(plan.other_episodes, plan.other_held_out)

@@ -1,0 +1,64 @@
+"""What is compared: every embedding with every support estimator, and gates that have neither."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from sheath_manip.experiments.gates.plan import GatesPlan
+from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, RandomTakeover
+from sheath_manip.plan import LearningPlan
+from sheath_manip.policies import EMBEDDINGS
+from sheath_manip.protocols import Gate
+from sheath_manip.support import SUPPORTS
+
+POLICY, EXPERT, RANDOM = "policy", "expert", "random-takeover"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One gate: what is fitted for it follows from its plan."""
+
+    name: str
+    """becomes a path below the run's directory"""
+    plan: LearningPlan
+    signals: tuple[str, ...] = ("support",)
+    """what its score is made of"""
+    main: bool = True
+    """measured on more episodes than the rest of the grid"""
+
+
+BASELINES: dict[str, Callable[[Sequence[float]], Sequence[Gate]]] = {
+    POLICY: lambda _: [AlwaysPolicy(query=True)],
+    EXPERT: lambda _: [AlwaysExpert()],
+    RANDOM: lambda rates: [RandomTakeover(rate) for rate in rates],
+}
+"""gates that look at nothing, for each of the asked expert shares; they take part in the loop"""
+
+
+def rows(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
+    """The most interesting first: the default, what differs from it in one part, then the rest."""
+    joined = Row("joined", replace(learning, signal="joined"), ("support", "precedent"))
+    precedent = Row("precedent", replace(learning, signal="precedent"), ("precedent",))
+    return sorted([joined, precedent, *grid(plan, learning)], key=lambda row: not row.main)
+
+
+def grid(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
+    """Every embedding with every support estimator."""
+    return [
+        Row(
+            f"{embedding}/{support}",
+            replace(learning, signal="support", embedding=embedding, support=support),
+            main=learning.embedding == embedding or learning.support == support,
+        )
+        for embedding in _after(learning.embedding, EMBEDDINGS, plan.embeddings)
+        for support in _after(learning.support, SUPPORTS, plan.supports)
+    ]
+
+
+def default_name(listed: Sequence[Row], learning: LearningPlan) -> str:
+    """The row whose gate a learning run would take."""
+    return next(row.name for row in listed if row.plan == learning)
+
+
+def _after(default: str, table: Iterable[str], asked: Sequence[str] | None) -> list[str]:
+    """The default, then what was asked for, or the whole table."""
+    return list(dict.fromkeys([default, *(table if asked is None else asked)]))

@@ -1,0 +1,100 @@
+"""One task and one training seed of the benchmark: what is measured there and where it lies."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sheath_manip.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.gates.plan import GatesPlan
+from sheath_manip.plan import LearningPlan
+from sheath_manip.probes import Probes
+from sheath_manip.results import EXPERT, round_path
+from sheath_manip.seeding import scene_seed
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import Episode, Purpose, TaskSpec
+
+
+@dataclass(frozen=True)
+class Setting:
+    """It travels to worker processes; what it names is read from the disk there."""
+
+    task: TaskEntry
+    plan: GatesPlan
+    runs: Path
+    """of this task"""
+    seed: int
+    """of the training run"""
+
+    @property
+    def learning(self) -> LearningPlan:
+        """What is demonstrated and fitted; raises UnknownNameError where the task has no such."""
+        if self.plan.learning not in self.task.plans:
+            raise UnknownNameError(f"plan of {self.task.name}", self.plan.learning, self.task.plans)
+        return replace(self.task.plans[self.plan.learning], seeds=self.plan.seeds)
+
+    @property
+    def probes(self) -> Probes:
+        """What the task puts before a gate."""
+        if self.task.probes is None:
+            raise ParameterError(f"task {self.task.name} has no probes; wanted one that has")
+        return self.task.probes
+
+    @property
+    def directory(self) -> Path:
+        """For all that is no episode."""
+        return self.runs / f"s{self.seed}"
+
+    def store(self) -> EpisodeStore:
+        """The episodes of all seeds."""
+        return EpisodeStore(self.runs / "store")
+
+    def cloned_path(self) -> Path:
+        """Of the one policy that all gates watch over, fitted to the demonstrations."""
+        return round_path(self.runs, self.seed, EXPERT, 0, "npz")
+
+    def cloned(self, spec: TaskSpec) -> Checkpoint:
+        """That policy, with the default gate."""
+        return load_checkpoint(self.cloned_path(), spec)
+
+    def offline_path(self, row: str) -> Path:
+        """What a row's scores say about recorded states."""
+        return self.directory / "offline" / f"{row}.json"
+
+    def agreement_path(self) -> Path:
+        """Where policies that have not seen a state do there as its label says."""
+        return self.directory / "agreement.npy"
+
+    def checkpoint_path(self, row: str) -> Path:
+        """Of a row's gate."""
+        return self.directory / "offline" / f"{row}.npz"
+
+    def loop_path(self, row: str) -> Path:
+        """What happened under a row's gate."""
+        return self.directory / "loop" / f"{row}.json"
+
+    def demonstrations(self) -> Samples:
+        """What the policy and every gate are fitted to."""
+        return samples_from(
+            self.store().episodes(Purpose.DEMONSTRATION, EXPERT, 0, run_seed=self.seed)
+        )
+
+    def calibration(self) -> list[Samples]:
+        """One a held-out expert episode, for thresholds."""
+        return [samples_from([episode]) for episode in self._held_out()][
+            : self.learning.calibration
+        ]
+
+    def fresh(self) -> list[Episode]:
+        """New expert episodes, which neither fits nor thresholds have seen."""
+        return list(self._held_out())[self.learning.calibration :]
+
+    def evaluation_seeds(self, count: int) -> list[int]:
+        """Held-out scenes, on which no one learns."""
+        name = self.learning.held_out_set
+        return [scene_seed(Purpose.EVALUATION, name, index) for index in range(count)]
+
+    def _held_out(self) -> Iterable[Episode]:
+        return self.store().episodes(Purpose.CALIBRATION, EXPERT, 0, run_seed=self.seed)

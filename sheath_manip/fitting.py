@@ -1,0 +1,61 @@
+"""From a fitted policy to its gate: signal and threshold."""
+
+from collections.abc import Sequence
+
+from sheath_manip.checkpoint import Checkpoint
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.plan import LearningPlan
+from sheath_manip.protocols import Agreement, Policy, Signal
+from sheath_manip.signals import make_signal, planned_signal
+from sheath_manip.support.calibration import threshold_rule
+
+
+def fit_gate(
+    policy: Policy,
+    states: Samples,
+    calibration: Sequence[Samples],
+    plan: LearningPlan,
+    task: str,
+    *,
+    run_seed: int = 0,
+    agreement: Agreement | None = None,
+    previous: Checkpoint | None = None,
+    visited: Samples | None = None,
+    signal: Signal | None = None,
+) -> Checkpoint:
+    """Fit the plan's signal to the policy's training `states`, and calibrate the threshold.
+
+    Args:
+        policy: fitted to `states`.
+        states: that it was trained on.
+        calibration: expert episodes that no fit has seen, one `Samples` each.
+        plan: names signal, embedding, support and rule.
+        task: name of the task.
+        run_seed: of the training run.
+        agreement: for supports that ask where the policy is right.
+        previous: of the round before, whose threshold stays where the plan calibrates only once.
+        visited: states of the last round's episodes, for a budget; where there are none yet, the
+            calibration episodes stand in.
+        signal: unfitted, of the plan's choice; made anew where it is not given.
+    """
+    choice = planned_signal(plan)
+    signal = make_signal(choice) if signal is None else signal
+    signal.fit(policy, states, agreement).calibrate(calibration)
+    if previous is not None and not plan.recalibrate:
+        threshold = previous.threshold
+    else:
+        held_out = [signal.scores(episode.images, episode.features) for episode in calibration]
+        met = held_out if visited is None else [signal.scores(visited.images, visited.features)]
+        threshold = threshold_rule(plan.threshold_rule)(held_out, met, plan)
+    return Checkpoint(
+        task=task,
+        policy_name=plan.policy,
+        policy=policy,
+        signal_choice=choice,
+        signal=signal,
+        threshold=threshold,
+        false_alarm_rate=plan.false_alarm_rate,
+        method="",
+        round=0,
+        run_seed=run_seed,
+    )

@@ -1,0 +1,66 @@
+"""What says whether the policy may be trusted with a state, by name."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.plan import LearningPlan
+from sheath_manip.policies import make_embedding
+from sheath_manip.protocols import Embedding, Signal
+from sheath_manip.signals.joined import JoinedSignal
+from sheath_manip.signals.precedent import PrecedentSignal
+from sheath_manip.signals.support import SupportSignal
+from sheath_manip.support import make_support, support_hyperparameters
+
+
+@dataclass(frozen=True)
+class SignalChoice:
+    """Which signal, made of what: enough to make it again before its learned state is loaded."""
+
+    signal: str
+    """name in SIGNALS"""
+    embedding: str
+    """of the support"""
+    support: str
+    precedent_embedding: str
+    hyperparameters: Mapping[str, Any] = field(default_factory=dict)
+    """of the support"""
+
+
+def planned_signal(plan: LearningPlan) -> SignalChoice:
+    """The choice that `plan` names."""
+    hyperparameters = support_hyperparameters(plan)
+    names = (plan.signal, plan.embedding, plan.support, plan.precedent_embedding)
+    return SignalChoice(*names, hyperparameters)
+
+
+MakeEmbedding = Callable[[str], Embedding]
+
+
+def make_signal(choice: SignalChoice, embedding: MakeEmbedding = make_embedding) -> Signal:
+    """A fresh signal, its embeddings made by name; UnknownNameError for one that is in no table."""
+    if choice.signal not in SIGNALS:
+        raise UnknownNameError("signal", choice.signal, SIGNALS)
+    return SIGNALS[choice.signal](choice, embedding)
+
+
+def _support(choice: SignalChoice, embedding: MakeEmbedding) -> SupportSignal:
+    support = make_support(choice.support, **choice.hyperparameters)
+    return SupportSignal(embedding(choice.embedding), support)
+
+
+def _precedent(choice: SignalChoice, embedding: MakeEmbedding) -> PrecedentSignal:
+    return PrecedentSignal(embedding(choice.precedent_embedding))
+
+
+def _joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
+    support, precedent = _support(choice, embedding), _precedent(choice, embedding)
+    return JoinedSignal({"support": support, "precedent": precedent})
+
+
+SIGNALS: dict[str, Callable[[SignalChoice, MakeEmbedding], Signal]] = {
+    "joined": _joined,
+    "support": _support,
+    "precedent": _precedent,
+}

@@ -1,0 +1,98 @@
+"""Several signals as one: the joint rarity of their scores among the expert's own steps.
+
+Fisher's method (1932): of each signal's score the share p of held-out expert steps that score
+lower is taken, and the logarithms are added. A state that one signal finds impossible is so
+whatever the others say, and two mild suspicions add up. No weight is to be chosen.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Agreement, Arrays, Policy, Signal
+from sheath_manip.signals.parts import part, prefixed
+
+LEAST_SHARE = 1e-3
+"""added to every p: a few thousand steps say no more of what is rarer"""
+TAIL = 0.05
+"""below the lowest score of the expert an exponential tail goes on as steeply as p falls from this
+quantile to the lowest score, so that what is farther out ranks lower"""
+
+
+class JoinedSignal:
+    """The sum over its signals of log p; 0 where none ever scored higher, and negative elsewhere.
+
+    The shares are taken from the very steps that a threshold is then calibrated on, which makes a
+    step's own share too high by one step in all of them.
+    """
+
+    def __init__(self, signals: Mapping[str, Signal]) -> None:
+        """Store the signals by name; ParameterError where there are fewer than two."""
+        if len(signals) < 2:
+            raise ParameterError(f"got {len(signals)} signals to join; wanted at least 2")
+        self.signals = signals
+
+    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
+        """Fit every signal; none is joined before `calibrate`."""
+        for signal in self.signals.values():
+            signal.fit(policy, states, agreement)
+        return self
+
+    def calibrate(self, episodes: Sequence[Samples]) -> Self:
+        """Learn how held-out expert `episodes` score; ParameterError where a signal has no score.
+
+        A step without a score, or with -inf, says nothing of how the others lie and is left out.
+        """
+        self.references_ = {}
+        for name, signal in self.signals.items():
+            signal.calibrate(episodes)
+            parts = [signal.scores(episode.images, episode.features) for episode in episodes]
+            scores = np.concatenate([np.empty(0), *parts])
+            scores = np.sort(scores[np.isfinite(scores)])
+            if len(scores) < 1 / TAIL:
+                raise ParameterError(
+                    f"signal {name!r} scores {len(scores)} steps of {len(episodes)} held-out "
+                    f"episodes; wanted at least {round(1 / TAIL)} to compare others with"
+                )
+            self.references_[name] = scores
+        return self
+
+    def scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float64]:
+        """(n,) sums of log p; NaN where a signal has no score."""
+        return np.sum(
+            [
+                log_share(signal.scores(images, features), self.references_[name])
+                for name, signal in self.signals.items()
+            ],
+            axis=0,
+        )
+
+    def arrays(self) -> Arrays:
+        """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""
+        learned = {name: signal.arrays() for name, signal in self.signals.items()}
+        references = {f"reference/{name}": scores for name, scores in self.references_.items()}
+        return {**prefixed(learned), **references}
+
+    def load(self, policy: Policy, arrays: Arrays) -> Self:
+        """Take over `arrays()` on top of `policy`."""
+        for name, signal in self.signals.items():
+            signal.load(policy, part(arrays, name))
+        references = part(arrays, "reference")
+        self.references_ = {name: np.asarray(references[name], float) for name in self.signals}
+        return self
+
+
+def log_share(scores: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) the logarithm of the share of (m,) sorted `reference` scores below each of (n,)."""
+    share = np.searchsorted(reference, scores, side="left") / len(reference)
+    lowest = reference[0]
+    spread = float(np.quantile(reference, TAIL)) - lowest
+    beyond = np.minimum((scores - lowest) / max(spread, 1e-12), 0.0)
+    logs = np.log(share + LEAST_SHARE) + np.log(TAIL / LEAST_SHARE) * beyond
+    return np.where(np.isnan(scores), np.nan, logs)
