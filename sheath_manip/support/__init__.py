@@ -8,6 +8,7 @@ from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support.agreeing_states import AgreeingSupport
+from sheath_manip.support.disagreement import DisagreementSupport
 from sheath_manip.support.distillation import DistillationSupport
 from sheath_manip.support.kernel_density import KernelDensitySupport
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
@@ -25,6 +26,7 @@ SUPPORTS: dict[str, Callable[..., SupportEstimator]] = {
     "mahalanobis": MahalanobisSupport,
     "reconstruction": ReconstructionSupport,
     "distillation": DistillationSupport,
+    "disagreement": DisagreementSupport,
 }
 """Called with hyperparameters by name."""
 

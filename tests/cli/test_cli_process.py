@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.waiting import DEADLINE_S
+
 SHEATH = [str(Path(sys.executable).parent / "sheath")]
 SCRIPT = [sys.executable, "-m", "tasks.driving"]
 
@@ -15,7 +17,7 @@ def _call(command: list[str], *argv: object, **environment: str):
         env=os.environ | environment,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=DEADLINE_S,
         check=False,
     )
 

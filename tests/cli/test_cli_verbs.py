@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.cli import experiment as experiment_verb
+from sheath_manip.cli import pacing
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dataset.store import EpisodeStore
@@ -140,9 +141,10 @@ def test_pacing_keeps_the_control_rate():
     environment = Corridor()
     info = EpisodeInfo("corridor", 0, Purpose.LEARNING, 50.0)
     sleeps = []
+    clock = types.SimpleNamespace(sleep=sleeps.append, monotonic=lambda: sum(sleeps))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("time.sleep", sleeps.append)
-        patch.setattr("time.monotonic", lambda: sum(sleeps))
+        # Not the real clock, by which the threads of other tests' pages go.
+        patch.setattr(pacing, "time", clock)
         rollout(
             environment,
             info,

@@ -11,7 +11,7 @@ from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support import SUPPORTS, make_support, support_hyperparameters
 
 # They train a network; what holds for every fit holds for a rough one.
-STEPS = {"reconstruction": 50, "distillation": 50}
+STEPS = {"reconstruction": 50, "distillation": 50, "disagreement": 20}
 
 
 @pytest.fixture(params=sorted(SUPPORTS))

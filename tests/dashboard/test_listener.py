@@ -1,6 +1,5 @@
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,15 +17,7 @@ from sheath_manip.protocols import Environment, Listener
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Step
 from tests.dashboard.conftest import TOKEN
 from tests.toy import CORRIDOR, PLAN, Corridor
-
-
-def eventually(condition: Callable[[], bool], timeout_s: float = 5.0) -> bool:
-    deadline_s = time.monotonic() + timeout_s
-    while time.monotonic() < deadline_s:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
+from tests.waiting import DEADLINE_S, eventually
 
 
 def test_stalled_drawing_never_holds_the_loop(
@@ -36,23 +27,36 @@ def test_stalled_drawing_never_holds_the_loop(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     drawing, release = threading.Event(), threading.Event()
+    outlasted = []
 
     def stall(_: object) -> None:
         drawing.set()
-        release.wait(20)
+        outlasted.append(release.wait(DEADLINE_S))
 
     monkeypatch.setattr(type(dashboard._page), "watched", True)
-    monkeypatch.setattr(dashboard._page, "draw", stall)
-    dashboard.on_start(environment, episode.info)
-    assert drawing.wait(5)
-    took_s = []
-    for step in episode.steps:
-        began_s = time.perf_counter()
-        dashboard.on_step(environment, step)
-        took_s.append(time.perf_counter() - began_s)
-    release.set()
-    # Other processes share the machine, so the median and not the worst.
-    assert np.median(took_s) < 2e-3
+    with Dashboard(environment.spec, port=0, token=TOKEN) as quick:
+        monkeypatch.setattr(dashboard._page, "draw", stall)
+        monkeypatch.setattr(quick._page, "draw", lambda _: None)
+        took_s = {dashboard: [], quick: []}
+        for listener in took_s:
+            listener.on_start(environment, episode.info)
+        assert drawing.wait(DEADLINE_S)
+        # In turns, so that whatever else runs on the machine holds up both alike.
+        for step in episode.steps:
+            for listener, times_s in took_s.items():
+                began_s = time.perf_counter()
+                listener.on_step(environment, step)
+                times_s.append(time.perf_counter() - began_s)
+        release.set()
+    dashboard.close()
+    # One drawing that the steps did not wait for.
+    assert outlasted[0]
+    assert np.median(took_s[dashboard]) < 10 * np.median(took_s[quick])
+
+
+def steps_noted(dashboard: Dashboard) -> int:
+    moment = dashboard._latest()
+    return 0 if moment is None else moment.figures.episode.steps
 
 
 def test_pause_blocks_and_resume_releases(
@@ -69,10 +73,11 @@ def test_pause_blocks_and_resume_releases(
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
+    assert eventually(lambda: steps_noted(dashboard) == 1)
     assert not stepped.wait(0.2)
     dashboard.resume()
-    assert stepped.wait(5)
-    thread.join(5)
+    assert stepped.wait(DEADLINE_S)
+    thread.join(DEADLINE_S)
 
 
 def test_close_releases_a_paused_run(
@@ -80,10 +85,13 @@ def test_close_releases_a_paused_run(
 ) -> None:
     dashboard.on_start(environment, episode.info)
     dashboard.pause()
-    run = threading.Thread(target=dashboard.on_step, args=(environment, episode.steps[0]))
+    step = (environment, episode.steps[0])
+    run = threading.Thread(target=dashboard.on_step, args=step, daemon=True)
     run.start()
+    assert eventually(lambda: steps_noted(dashboard) == 1)
+    assert run.is_alive()
     dashboard.close()
-    run.join(5)
+    run.join(DEADLINE_S)
     assert not run.is_alive()
 
 
@@ -152,22 +160,37 @@ def test_failed_drawing_marks_the_page_and_not_the_run(
         broken.setattr(dashboard._page, "draw", fail)
         dashboard.on_start(environment, episode.info)
         dashboard.on_step(environment, episode.steps[0])
-        assert eventually(lambda: trouble.visible)
+        assert eventually(lambda: trouble.visible and "no &lt;ink&gt;" in trouble.content)
         assert "out of date" in trouble.content
-        assert "no &lt;ink&gt;" in trouble.content
     dashboard.on_step(environment, episode.steps[1])
     assert eventually(lambda: not trouble.visible)
 
 
 def test_drawer_keeps_its_rate() -> None:
     drawn = []
-    drawer = Drawer(lambda: drawn.append(True), pytest.fail, rate_hz=20)
-    until_s = time.monotonic() + 0.5
-    while time.monotonic() < until_s:
+    rate_hz, count = 40.0, 21
+    began_s = time.monotonic()
+    drawer = Drawer(lambda: drawn.append(True), pytest.fail, rate_hz)
+
+    def woken_often_enough() -> bool:
         drawer.wake()
-        time.sleep(0.001)
+        return len(drawn) >= count
+
+    assert eventually(woken_often_enough)
+    took_s = time.monotonic() - began_s
     drawer.close()
-    assert 2 <= len(drawn) <= 12
+    # No upper bound: how much later a thread gets its turn is up to the machine.
+    assert took_s >= (count - 1) / rate_hz
+
+
+def test_drawer_draws_only_what_is_new() -> None:
+    drawn = []
+    drawer = Drawer(lambda: drawn.append(True), pytest.fail, rate_hz=1000)
+    drawer.wake()
+    assert eventually(lambda: len(drawn) == 1)
+    time.sleep(0.05)
+    drawer.close()
+    assert len(drawn) == 1
 
 
 def test_tally_counts_interventions_and_outcomes(episode: Episode) -> None:

@@ -10,7 +10,7 @@ from playwright.sync_api import Page
 from sheath_manip.dashboard import Dashboard, replay
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
-from tools.chromium import wait_until
+from tools.chromium import TIMEOUT_S, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -45,7 +45,7 @@ def test_page_shows_and_pauses_a_run(
     page.wait_for_selector(".u-over")
     page.get_by_text("of 250").wait_for()
     # A task's name is text, whatever it looks like.
-    assert page.get_by_text("ring <b>road</b>").count() > 0
+    page.get_by_text("ring <b>road</b>").first.wait_for()
     assert page.locator("b", has_text="road").count() == 0
     wait_until(lambda: page.locator("img").count() >= 2, "pictures on the page", page)
 
@@ -58,7 +58,7 @@ def test_page_shows_and_pauses_a_run(
     page.get_by_role("button", name="Resume").click()
     wait_until(lambda: not dashboard.paused, "resumption at the server", page)
 
-    run.join(30)
+    run.join(TIMEOUT_S)
     assert not run.is_alive()
     page.get_by_text("episode over").wait_for()
     assert not errors

@@ -17,7 +17,7 @@ from sheath_manip.types import EpisodeInfo, Observation, Purpose
 from tasks.composer_environment import ComposerEnvironment
 from tasks.driving.expert import DrivingExpert
 from tasks.driving.task import DrivingTask, Scenario
-from tools.chromium import wait_until
+from tools.chromium import TIMEOUT_S, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -91,6 +91,6 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         wait_until(lambda: int(counts.nth(1).inner_text()) > 1, "count on the page", page)
         assert not panel._trouble.visible
         enough.set()
-        run.join(30)
+        run.join(TIMEOUT_S)
     assert not run.is_alive()
     assert not errors

@@ -18,6 +18,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
+from tests.waiting import DEADLINE_S
 from tools.kill_recorder import identical, synthetic_episode, synthetic_info
 
 INFO = EpisodeInfo("driving", 12345, Purpose.LEARNING, 10.0, "sheath", round=3, index=7)
@@ -110,7 +111,7 @@ class TestAppending:
         barrier = threading.Barrier(2)
 
         def publish_together(directory: Path, final: Path) -> None:
-            barrier.wait(timeout=20)
+            barrier.wait(DEADLINE_S)
             durable.publish(directory, final)
 
         monkeypatch.setattr(store_module, "publish", publish_together)

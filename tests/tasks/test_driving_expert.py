@@ -103,11 +103,11 @@ def test_a_decision_takes_less_than_ten_milliseconds(environment, expert):
     observation = environment.reset(3)
     times_s = []
     for _ in range(40):
-        begin = time.perf_counter()
+        # Of this process alone: by the clock on the wall, others' turns would count, too.
+        begin = time.process_time()
         expert.act(observation)
-        times_s.append(time.perf_counter() - begin)
-    # The quick half: the other one tells what else ran on the machine.
-    assert np.percentile(times_s, 25) < 0.010
+        times_s.append(time.process_time() - begin)
+    assert np.median(times_s) < 0.010
 
 
 def test_wants_a_driving_task():
