@@ -2,8 +2,8 @@
 
 How well each tells displaced expert states of the driving task from new ones, as AUROC: 3.5 m and
 5 m aside, turned by 45°, a car put in front; then the policy's costly mistakes from its other
-states. Measured on tuning scenes with 10 laps of demonstrations, one-class SVM, mean of two runs, the
-policy plain unless painting (see `reconstruction.py`):
+states. Measured on tuning scenes with 10 laps of demonstrations, one-class SVM, mean of two runs,
+the policy plain unless painting (see `reconstruction.py`):
 
     embedding                          3.5 m    5 m    45°  front  mistakes
     penultimate                         .73    .74    .71    .55    .68
