@@ -24,7 +24,7 @@ class Doctor:
 
 @dataclass(frozen=True)
 class Tables:
-    """List the tasks, and the policies, embeddings, supports and methods to choose from."""
+    """List the tasks, and the policies, signals, supports, methods and more to choose from."""
 
     def run(self, session: Session) -> int:
         """Print the tables."""
@@ -33,15 +33,19 @@ class Tables:
         # Only now: torch takes seconds to import.
         from sheath_manip.methods import METHODS
         from sheath_manip.policies import EMBEDDINGS, POLICIES
+        from sheath_manip.signals import SIGNALS
         from sheath_manip.support import SUPPORTS
+        from sheath_manip.support.calibration import THRESHOLD_RULES
 
         session.out.print(
             _rows(
                 "to choose from",
                 {
                     "policies": ", ".join(POLICIES),
+                    "signals": ", ".join(SIGNALS),
                     "embeddings": ", ".join(EMBEDDINGS),
                     "supports": ", ".join(SUPPORTS),
+                    "threshold rules": ", ".join(THRESHOLD_RULES),
                     "methods": "\n".join(f"{m.name}: {m.summary}" for m in METHODS.values()),
                 },
             )

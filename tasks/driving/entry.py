@@ -47,7 +47,9 @@ DRIVING = TaskEntry(
         "full": LearningPlan(),
         # As in the draft: three laps, one convolution layer, the support on its last hidden layer.
         "paper": LearningPlan(policy="paper-cnn", embedding="penultimate", demonstrations=3),
+        # Painting doubles a cold fit, and a first look can do without.
         "quick": LearningPlan(
+            policy="plain-cnn",
             methods=("dagger", "sheath"),
             seeds=(0,),
             demonstrations=6,
