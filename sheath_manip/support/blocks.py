@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.support.gaussian import GaussianColumns, row_factor
+from sheath_manip.support.gaussian import LARGEST_SQUARE, GaussianColumns, row_factor
 from sheath_manip.support.vectors import squared_distances
 from sheath_manip.support.whole import solve_whole
 
@@ -42,7 +42,7 @@ class BlockSolver:
     @classmethod
     def of(cls, points: NDArray, c: float, most: NDArray, signs: NDArray) -> "BlockSolver":
         """For (n, d) points with their mean near 0."""
-        return cls(row_factor(points, 0.0, c), c, most, signs)
+        return cls(row_factor(points, 0.0), c, most, signs)
 
     def solve(
         self, earlier: NDArray[np.float64] | None = None, tolerance: float = TOLERANCE
@@ -58,9 +58,16 @@ class BlockSolver:
             if violation <= tolerance * np.abs(scores).max():
                 break
             block = _next_block(low, high, block)
+            gram = np.exp(squared_distances(self.rows[block, :-2].astype(np.float64)) / -self.c)
+            gram *= self.signs[block] * self.signs[block][:, None]
             steps = np.zeros(len(weights))
-            steps[block] = self._steps(block, scores[block], weights[block], 0.05 * violation)
+            steps[block] = _block_steps(
+                gram, scores[block], weights[block], self.most[block], 0.05 * violation
+            )
+            # In float32 what is very far would not even see itself.
+            own = scores[block] + gram @ steps[block]
             scores += self.signs * self._sums(steps, self.rows)
+            scores[block] = own
             weights += steps
             weights[weights < self.most * ROUNDING] = 0
             low, high = self._movable(weights, scores)
@@ -81,60 +88,44 @@ class BlockSolver:
         columns = GaussianColumns(self.rows[held, :-2], self.signs[held] * weights[held], self.c)
         return columns.sums(rows)
 
-    def _steps(
-        self,
-        block: NDArray[np.intp],
-        scores: NDArray[np.float64],
-        weights: NDArray[np.float64],
-        tolerance: float,
-    ) -> NDArray[np.float64]:
-        """(b,) steps of a block's duals to their optimum with all others fixed; they sum to 0.
-
-        Of the others only what they add to the scores counts, p with the term pᵀα. As the block's
-        duals sum to s, that is ½ αᵀ(p1ᵀ + 1pᵀ)α / s: a matrix that libsvm takes like any other.
-        """
-        gram = np.exp(squared_distances(self.rows[block, :-2].astype(np.float64)) / -self.c)
-        gram *= self.signs[block] * self.signs[block][:, None]
-        most, total = self.most[block], weights.sum()
-        others = scores - gram @ weights
-        others -= others @ weights / total
-        gram += (others + others[:, None]) / total
-        # libsvm begins with the first at their bounds, so these had better be there already.
-        order = np.argsort(-weights / most, kind="stable")
-        solved = np.empty(len(weights))
-        solved[order], _ = solve_whole(
-            gram[np.ix_(order, order)], most[order], total, tolerance / most.max()
-        )
-        return np.clip(solved, 0, most) - weights
-
     def _coarse_start(self) -> NDArray[np.float64]:
         """(n,) duals: the bounds of the points that score lowest under every COARSE-th one."""
         if len(self.rows) < COARSE * COARSE_POINTS:
             # What lies far from the mean is likely outside.
-            return _filled(self.signs * np.exp(-self.rows[:, -2]), self.most)
+            return self._filled(
+                self.signs * np.exp(self.rows[:, -2] / -self.c), np.zeros(len(self.rows))
+            )
         some = slice(None, None, COARSE)
         most = self.most[some] / self.most[some].sum() * self.most.sum()
         coarse = BlockSolver(self.rows[some], self.c, most, self.signs[some])
         weights, _ = coarse.solve(tolerance=COARSE_TOLERANCE)
-        return _filled(self.signs * coarse._sums(weights, self.rows), self.most)
+        scores = self.signs * coarse._sums(weights, self.rows)
+        return self._filled(scores, np.zeros(len(self.rows)))
 
     def _continued_start(self, earlier: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n,) duals: the earlier ones' share, and the bounds of the lowest new points."""
         old = len(earlier)
         weights = np.zeros(len(self.rows))
         weights[:old] = np.minimum(earlier * (old / len(self.rows)), self.most[:old])
+        weights[self._far()] = 0
         scores = np.full(len(self.rows), np.inf)
         scores[old:] = self.signs[old:] * self._sums(weights, self.rows[old:])
-        return weights + _filled(scores, self.most - weights, 1 - weights.sum())
+        return self._filled(scores, weights)
 
+    def _filled(
+        self, scores: NDArray[np.float64], weights: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """(n,) duals that sum to 1: `weights`, and up to their bounds from the lowest score on."""
+        # A far point's own score is right only where it enters with its block, so it comes last.
+        order = np.lexsort((scores, self._far()))
+        spare = (self.most - weights)[order]
+        filled = weights.copy()
+        filled[order] += np.clip(1 - weights.sum() - (np.cumsum(spare) - spare), 0, spare)
+        return filled
 
-def _filled(scores: NDArray, most: NDArray[np.float64], total: float = 1.0) -> NDArray[np.float64]:
-    """(n,) duals that sum to `total`: at their bounds from the lowest score upwards, then 0."""
-    order = np.argsort(scores, kind="stable")
-    before = np.cumsum(most[order]) - most[order]
-    weights = np.empty(len(most))
-    weights[order] = np.clip(total - before, 0, most[order])
-    return weights
+    def _far(self) -> NDArray[np.bool_]:
+        """(n,) points too far from the mean for float32."""
+        return self.rows[:, -2] > LARGEST_SQUARE * self.c
 
 
 def _next_block(
@@ -145,3 +136,26 @@ def _next_block(
     free = last[np.isfinite(low[last]) & np.isfinite(high[last])]
     movable = [lowest[np.isfinite(low[lowest])], highest[np.isfinite(high[highest])]]
     return np.union1d(np.concatenate(movable), free[: 2 * BLOCK])
+
+
+def _block_steps(
+    gram: NDArray[np.float64],
+    scores: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    most: NDArray[np.float64],
+    tolerance: float,
+) -> NDArray[np.float64]:
+    """(b,) steps of a block's duals to their optimum with all others fixed; they sum to 0.
+
+    Of the others only what they add to the scores counts, p with the term pᵀα. As the block's
+    duals sum to s, that is ½ αᵀ(p1ᵀ + 1pᵀ)α / s: a matrix that libsvm takes like any other.
+    """
+    total = weights.sum()
+    others = scores - gram @ weights
+    others -= others @ weights / total
+    # libsvm begins with the first at their bounds, so these had better be there already.
+    order = np.argsort(-weights / most, kind="stable")
+    matrix = (gram + (others + others[:, None]) / total)[np.ix_(order, order)]
+    solved = np.empty(len(weights))
+    solved[order], _ = solve_whole(matrix, most[order], total, tolerance / most.max())
+    return np.clip(solved, 0, most) - weights

@@ -1,7 +1,7 @@
 """Sums of Gaussian kernels: one float32 matrix product and one exponential for many vectors.
 
 exp(-|x - v|²/c) = exp(2x·v/c - |x|²/c - |v|²/c), and the squares ride along as two more dimensions
-of the product: [x, |x|²/c, 1] · [2v/c, -1, -|v|²/c].
+of the product: [x, |x|², 1] · [2v/c, -1/c, -|v|²/c].
 """
 
 import numpy as np
@@ -13,23 +13,23 @@ COLUMNS = 16384
 # fewer rows than these, since a product of few rows is slow.
 TILE = 1 << 19
 ROWS = 256
-# Squares above this, in units of c, leave rounding errors that an exponential may blow up.
+# Squares above this, in units of c, leave rounding errors that show, and that an exponential may
+# blow up.
 LARGEST_SQUARE = 1e4
 # An array, since numpy converts a Python number anew in every call.
 ZERO = np.zeros((), np.float32)
 
 
-def row_factor(X: NDArray, origin: NDArray | float, c: float) -> NDArray[np.float32]:
+def row_factor(X: NDArray, origin: NDArray | float) -> NDArray[np.float32]:
     """(n, d + 2) left factor for (n, d) vectors less the origin, which float32 had better be near.
 
-    Its last column but one tells |x|²/c, infinite or NaN for what float32 cannot hold.
+    Its last column but one is |x|², infinite or NaN for what float32 cannot hold.
     """
     factor = np.empty((len(X), X.shape[1] + 2), np.float32)
-    near, squared = factor[:, :-2], factor[:, -2]
+    near = factor[:, :-2]
     with np.errstate(over="ignore"):
-        np.subtract(X, origin, out=near, casting="same_kind")
-        np.vecdot(near, near, out=squared)
-        squared *= np.float32(1 / c)
+        np.subtract(X, origin, out=near)
+        np.vecdot(near, near, out=factor[:, -2])
     factor[:, -1] = 1
     return factor
 
@@ -47,20 +47,30 @@ class GaussianColumns:
             # Laid out so that one row times it runs fastest.
             factor = np.empty((vectors.shape[1] + 2, len(squared[some])), np.float32)
             factor[:-2] = vectors[some].T * (2 / c)
-            factor[-2] = -1
+            factor[-2] = -1 / c
             factor[-1] = -squared[some]
             self._parts.append((factor, np.asarray(weights[some], np.float32)))
 
     def sums(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n,) for an (n, d + 2) left factor."""
+        if len(self._parts) == 1 and len(rows) <= ROWS:
+            return self._tile(rows, *self._parts[0]).astype(np.float64)
         sums = np.zeros(len(rows))
         for factor, weights in self._parts:
             height = max(ROWS, TILE // len(weights))
             for start in range(0, len(rows), height):
                 some = slice(start, start + height)
-                kernel = rows[some] @ factor
-                if self._exceed:
-                    np.minimum(kernel, ZERO, out=kernel)
-                np.exp(kernel, out=kernel)
-                sums[some] += kernel @ weights
+                sums[some] += self._tile(rows[some], factor, weights)
         return sums
+
+    def _tile(
+        self,
+        rows: NDArray[np.float32],
+        factor: NDArray[np.float32],
+        weights: NDArray[np.float32],
+    ) -> NDArray[np.float32]:
+        # On one row `dot` costs less than `@`.
+        kernel = rows.dot(factor)
+        if self._exceed:
+            np.minimum(kernel, ZERO, out=kernel)
+        return np.exp(kernel, out=kernel).dot(weights)

@@ -7,9 +7,6 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
 from sheath_manip.support.gaussian import GaussianColumns, row_factor
 
-# exp(-104) is 0 in float32.
-LEAST_EXPONENT = 104.0
-
 
 class KernelSum:
     """x ↦ Σ w_i exp(-|x - center - v_i|²/c), in float32 once the center is taken off."""
@@ -26,18 +23,16 @@ class KernelSum:
         self.vectors = np.ascontiguousarray(vectors, dtype=np.float32)
         self.weights = np.asarray(weights, dtype=np.float32)
         self._columns = GaussianColumns(self.vectors, self.weights, c)
-        largest = np.vecdot(self.vectors, self.vectors).max(initial=0) / c
-        self._reach = float(np.sqrt(largest) + np.sqrt(LEAST_EXPONENT)) ** 2
 
     def __call__(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) for (n, d) rows; NaN for rows that are not finite."""
-        rows = row_factor(X, self.center, self.c)
-        within = rows[:, -2] <= self._reach
-        if within.all():
+        rows = row_factor(X, self.center)
+        held = np.isfinite(rows[:, -2])
+        if held.all():
             return self._columns.sums(rows)
-        # What is out of reach of every vector sums to 0, and its square may not even fit float32.
+        # What float32 cannot hold is far from every vector, or not finite.
         sums = np.where(np.isfinite(X).all(axis=1), 0.0, np.nan)
-        sums[within] = self._columns.sums(rows[within])
+        sums[held] = self._columns.sums(rows[held])
         return sums
 
     def arrays(self) -> Arrays:

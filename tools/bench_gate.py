@@ -1,0 +1,231 @@
+"""How much sooner the gate's support scores and is fitted than scikit-learn's one-class SVM.
+
+    python -m tools.bench_gate [--quick] [--results DIRECTORY]
+
+writes bench-gate.json, which `sheath claims` reads. Times are of the CPU on one thread, so that
+other processes matter little; both sides of a ratio take turns within one run, and it is that of
+their medians. --quick takes other sizes, to see that it runs.
+"""
+
+import argparse
+import json
+import multiprocessing
+import resource
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.svm import OneClassSVM
+
+from sheath_manip.support import OneClassSupport
+from sheath_manip.threads import single_threaded
+
+NU = 0.1
+SCORE_DIMENSIONS, FIT_DIMENSIONS, MANIFOLD_DIMENSIONS = 128, 64, 6
+# Scores are float32's: within this of the boundary, in units of the sum of duals, a sign is noise.
+BAND = 1e-6
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How much is measured."""
+
+    vectors: tuple[int, int] = (1_000, 10_000)
+    """support vectors"""
+    score_rounds: int = 40
+    calls: int = 50
+    """scores of one state between turns"""
+    points: int = 20_000
+    fit_rounds: int = 3
+    many_points: int = 200_000
+
+
+QUICK = Sizes((200, 1_000), score_rounds=3, calls=5, points=5_500, fit_rounds=1, many_points=8_000)
+
+
+@dataclass(frozen=True)
+class Line:
+    """One measured number and what it is to be."""
+
+    value: float
+    unit: str
+    goal: str
+    holds: bool
+    how: str
+
+
+def at_least(value: float, bound: float, unit: str, how: str) -> Line:
+    """A line whose goal is a least value."""
+    return Line(float(value), unit, f">= {bound:g}", bool(value >= bound), how)
+
+
+def at_most(value: float, bound: float, unit: str, how: str) -> Line:
+    """A line whose goal is a greatest value."""
+    return Line(float(value), unit, f"<= {bound:g}", bool(value <= bound), how)
+
+
+def manifold(rng: np.random.Generator, count: int, width: int) -> NDArray[np.float64]:
+    """(count, width) points near a bent manifold of few dimensions, as a policy's embedding is."""
+    bend = np.random.default_rng(1).normal(size=(MANIFOLD_DIMENSIONS, width))
+    flat = rng.normal(size=(count, MANIFOLD_DIMENSIONS))
+    return np.tanh(flat @ bend) + 0.05 * rng.normal(size=(count, width))
+
+
+def isotropic(rng: np.random.Generator, count: int, width: int) -> NDArray[np.float64]:
+    """(count, width) normal points."""
+    return rng.normal(size=(count, width))
+
+
+def medians(
+    theirs: Callable[[], object], ours: Callable[[], object], rounds: int, calls: int = 1
+) -> list[float]:
+    """The median CPU seconds of a call of each side, which take turns."""
+    sides = theirs, ours
+    times: list[list[float]] = [[] for _ in sides]
+    for _ in range(rounds):
+        for side, spent in zip(sides, times, strict=True):
+            start = time.process_time()
+            for _ in range(calls):
+                side()
+            spent.append((time.process_time() - start) / calls)
+    return [float(np.median(spent)) for spent in times]
+
+
+def reference(points: NDArray, nu: float, c: float) -> OneClassSVM:
+    """scikit-learn's fit with the same bandwidth."""
+    # Its stubs know only the strings that gamma may be.
+    return OneClassSVM(nu=nu, gamma=1 / c).fit(points)  # pyright: ignore[reportArgumentType]
+
+
+def of_reference(machine: OneClassSVM, c: float) -> OneClassSupport:
+    """A support with the vectors, duals and offset of scikit-learn's."""
+    duals = np.asarray(machine.dual_coef_)[0]
+    vectors = np.asarray(machine.support_vectors_)
+    center = vectors.mean(axis=0)
+    arrays = {
+        "center": center,
+        "vectors": vectors - center,
+        "weights": duals / duals.sum(),
+        "c": np.array(c),
+        "rho": np.array(np.ravel(machine.offset_)[0] / duals.sum()),
+    }
+    return OneClassSupport().load(arrays)
+
+
+def score_lines(sizes: Sizes) -> dict[str, Line]:
+    """States one by one and in a batch, where nearly every point is a support vector."""
+    lines = {}
+    rng = np.random.default_rng(0)
+    states = rng.normal(size=(256, SCORE_DIMENSIONS)).astype(np.float32)
+    c = 2.0 * SCORE_DIMENSIONS
+    few, many = sizes.vectors
+    for count, rows, least in ((few, 1, 15), (many, 1, 8), (many, len(states), 20)):
+        machine = reference(isotropic(rng, count, SCORE_DIMENSIONS), 0.9999, c)
+        support = of_reference(machine, c)
+        theirs, ours = medians(
+            lambda m=machine, r=rows: m.decision_function(states[:r]),
+            lambda s=support, r=rows: s.decision_function(states[:r]),
+            sizes.score_rounds,
+            max(sizes.calls // rows, 1),
+        )
+        lines[f"score, {rows} states, {count} vectors"] = at_least(
+            theirs / ours,
+            least,
+            "times as fast",
+            f"{SCORE_DIMENSIONS} dimensions, {ours * 1e6:.0f} µs against {theirs * 1e6:.0f}",
+        )
+    return lines
+
+
+def fit_lines(sizes: Sizes) -> dict[str, Line]:
+    """A fit, its agreement with scikit-learn's, and a refit after a fifth more data."""
+    lines = {}
+    for kind in (manifold, isotropic):
+        rng = np.random.default_rng(2)
+        points = kind(rng, sizes.points, FIT_DIMENSIONS)
+        held_out = kind(rng, 5_000, FIT_DIMENSIONS) * rng.uniform(0.8, 1.3, size=(5_000, 1))
+        support = OneClassSupport(NU).fit(points)
+        machine = reference(points, NU, support.c_)
+        theirs, ours = medians(
+            lambda p=points, c=support.c_: reference(p, NU, c),
+            lambda p=points: OneClassSupport(NU).fit(p),
+            sizes.fit_rounds,
+        )
+        what = f"{kind.__name__} points at {FIT_DIMENSIONS} dimensions, nu {NU:g}"
+        how = f"{what}, {ours:.2f} CPU s against {theirs:.2f}, in turns"
+        name = f"{sizes.points} {kind.__name__} points"
+        lines[f"fit {name}"] = at_most(ours / theirs, 0.2, "of sklearn's CPU time", how)
+        expected = machine.decision_function(held_out) / np.asarray(machine.dual_coef_).sum()
+        share = np.mean((expected >= 0) == (support.decision_function(held_out) >= 0))
+        how = f"{len(held_out)} new states, {np.mean(expected >= 0):.0%} of them inside"
+        lines[f"agreement, {name}"] = at_least(share, 0.999, "share", how)
+        scores = of_reference(machine, support.c_).decision_function(held_out)
+        share = np.mean((np.sign(scores) == np.sign(expected))[np.abs(expected) > BAND])
+        how += f", sklearn's vectors, beyond {BAND:g}·sum(alpha) of the boundary"
+        lines[f"same sign, {name}"] = at_least(share, 1, "share", how)
+
+        more = np.concatenate([points, kind(rng, sizes.points // 5, FIT_DIMENSIONS)])
+        cold, warm = [], []
+        for _ in range(3 * sizes.fit_rounds):
+            before = OneClassSupport(NU).fit(points)
+            for spent, fit in ((cold, OneClassSupport(NU).fit), (warm, before.refit)):
+                start = time.process_time()
+                fit(more)
+                spent.append(time.process_time() - start)
+        how = f"{np.median(warm):.2f} CPU s against {np.median(cold):.2f}, in turns, a fifth more"
+        ratio = np.median(warm) / np.median(cold)
+        lines[f"refit {name}"] = at_most(ratio, 1, "of a cold fit's CPU time", how)
+    return lines
+
+
+def large_fit(count: int) -> tuple[float, float]:
+    """CPU seconds of one fit and the GiB that its process held at most, the points included."""
+    points = manifold(np.random.default_rng(3), count, FIT_DIMENSIONS)
+    with single_threaded():
+        start = time.process_time()
+        OneClassSupport(NU).fit(points)
+        spent = time.process_time() - start
+    # Linux counts KiB.
+    return spent, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+
+
+def large_lines(sizes: Sizes) -> dict[str, Line]:
+    """A fit of many points in a process of its own."""
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        spent, held = pool.submit(large_fit, sizes.many_points).result()
+    how = f"manifold points at {FIT_DIMENSIONS} dimensions, nu {NU:g}, once, in its own process"
+    return {
+        f"fit {sizes.many_points} points": at_most(spent, 60, "CPU s", how),
+        f"memory, {sizes.many_points} points": at_most(held, 4, "GiB", how),
+    }
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print a line a number, write the file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="other sizes, a few seconds")
+    parser.add_argument(
+        "--results", type=Path, default=Path("results"), help="directory to write to"
+    )
+    options = parser.parse_args(arguments)
+    sizes = QUICK if options.quick else Sizes()
+    found: dict[str, Line] = {}
+    for measure in (score_lines, fit_lines, large_lines):
+        with single_threaded():
+            lines = measure(sizes)
+        for name, line in lines.items():
+            mark = "yes" if line.holds else "NO"
+            print(f"{name:40} {line.value:8.4g} {line.unit:26} {line.goal:9} {mark:3} {line.how}")
+        found |= lines
+    options.results.mkdir(parents=True, exist_ok=True)
+    text = json.dumps({name: asdict(line) for name, line in found.items()}, indent=2)
+    (options.results / "bench-gate.json").write_text(text + "\n")
+
+
+if __name__ == "__main__":
+    main()
