@@ -42,6 +42,16 @@ def chromium_page() -> Iterator[Page]:
         browser.close()
 
 
+def open_dashboard(page: Page, address: str) -> None:
+    """Go to a dashboard's printed `address`, whose page leads on to one without the token.
+
+    On a busy machine the second navigation begins before the first one has loaded, which would
+    then count as aborted: so the first need only have been answered.
+    """
+    page.goto(address, wait_until="commit")
+    page.wait_for_url(lambda url: "token" not in url)
+
+
 def wait_until(
     condition: Callable[[], bool], what: str, page: Page, timeout_s: float = TIMEOUT_S
 ) -> None:

@@ -34,7 +34,7 @@ from sheath_manip.task import TaskEntry
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from tasks.table import TASKS
-from tools.chromium import TIMEOUT_S, chromium_page, wait_until
+from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 
 MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 90, 3, 4
 """of the episode in the picture, and of the intervention under way: enough to be seen"""
@@ -146,7 +146,7 @@ def drive(
 
 def photograph(page: Page, address: str, pose: Pose, run: Future[None]) -> bytes:
     """A PNG of the page once it shows the pose; raises what ended `run` before that."""
-    page.goto(address)
+    open_dashboard(page, address)
     wait_until(lambda: pose.struck.is_set() or run.done(), "intervention", page, POSE_TIMEOUT_S)
     if run.done():
         run.result()

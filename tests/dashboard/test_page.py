@@ -10,7 +10,7 @@ from playwright.sync_api import Page
 from sheath_manip.dashboard import Dashboard, replay
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
-from tools.chromium import TIMEOUT_S, wait_until
+from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -34,7 +34,7 @@ def test_page_shows_and_pauses_a_run(
             replay(dashboard, environment, episode, 1.0)
 
     run = threading.Thread(target=replay_again_and_again, daemon=True)
-    page.goto(dashboard.address)
+    open_dashboard(page, dashboard.address)
     run.start()
 
     wait_until(lambda: dashboard._page.watched, "browser at the server", page)

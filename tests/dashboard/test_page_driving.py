@@ -17,7 +17,7 @@ from sheath_manip.types import EpisodeInfo, Observation, Purpose
 from tasks.composer_environment import ComposerEnvironment
 from tasks.driving.expert import DrivingExpert
 from tasks.driving.task import DrivingTask, Scenario
-from tools.chromium import TIMEOUT_S, wait_until
+from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -67,7 +67,7 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         panel = dashboard._page.panel
         dashboard.on_fit(training_on(task))
         run = threading.Thread(target=drive, args=(dashboard, enough), daemon=True)
-        page.goto(dashboard.address)
+        open_dashboard(page, dashboard.address)
         wait_until(lambda: dashboard._page.watched, "browser at the server", page)
         run.start()
 
