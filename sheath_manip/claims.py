@@ -66,10 +66,7 @@ def verdicts(results: Path, claims: Mapping[str, Iterable[Claim]]) -> list[Verdi
         for claim in claims.get(path.parent.name, ()):
             found.append(judge(claim, summary, str(path)))
     for path in sorted(results.glob("bench-*.json")):
-        for name, line in _read(path).items():
-            found.append(
-                Verdict(str(path), name, line["value"], str(line["goal"]), bool(line["holds"]))
-            )
+        found += [_bench_verdict(name, line, str(path)) for name, line in _read(path).items()]
     if not found:
         raise StoreError(f"{results} holds no result with a claim; run `sheath experiment` first")
     return found
@@ -86,6 +83,16 @@ def print_claims(found: Iterable[Verdict], console: Console) -> int:
         broken += not verdict.holds
     console.print(grid)
     return int(broken > 0)
+
+
+def _bench_verdict(name: str, line: Mapping[str, Any], source: str) -> Verdict:
+    try:
+        return Verdict(source, name, float(line["value"]), str(line["goal"]), bool(line["holds"]))
+    except (KeyError, TypeError, ValueError) as error:
+        raise StoreError(
+            f"{source} has no value, goal and holds for {name!r} ({type(error).__name__} {error}); "
+            "run its bench tool again"
+        ) from error
 
 
 def _read(path: Path) -> Summary:

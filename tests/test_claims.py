@@ -39,6 +39,13 @@ def test_a_bench_line_is_a_claim_too(tmp_path: Path) -> None:
     assert [verdict.holds for verdict in verdicts(tmp_path, {})] == [False]
 
 
+@pytest.mark.parametrize("line", [{"goal": ">= 15", "holds": True}, 12.0])
+def test_a_bench_line_without_its_numbers_is_named(tmp_path: Path, line) -> None:
+    (tmp_path / "bench-gate.json").write_text(json.dumps({"speed": line}))
+    with pytest.raises(StoreError, match="no value, goal and holds for 'speed'"):
+        verdicts(tmp_path, {})
+
+
 def test_missing_numbers_and_no_results_are_one_line(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="run `sheath experiment` first"):
         verdicts(tmp_path, CLAIMS)
