@@ -68,7 +68,7 @@ class DisagreementSupport(QuantileSupport):
 
     def learned(self) -> Arrays:
         """The members' weights, each name's stacked along a first axis."""
-        each = [network.arrays() | prior.arrays() for network, prior in self.members_]
+        each = [{**network.arrays(), **prior.arrays()} for network, prior in self.members_]
         return {name: np.stack([arrays[name] for arrays in each]) for name in each[0]}
 
     def take(self, arrays: Arrays) -> None:
