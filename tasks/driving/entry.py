@@ -57,7 +57,7 @@ DRIVING = TaskEntry(
             check=3,
             rounds=2,
             episodes=4,
-            held_out=5,
+            held_out=3,
             final=2,
         ),
     },
