@@ -10,6 +10,7 @@ from sheath_manip.support import OneClassSupport
 from tests.blobs import fitted_policy, held_out, training
 
 SPATIAL = (
+    "convolutions-and-pixels",
     "two-scale-convolutions",
     "pooled-convolutions",
     "pooled-convolutions-whitened",
