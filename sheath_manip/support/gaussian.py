@@ -6,8 +6,10 @@ of the product: [x, |x|², 1] · [2v/c, -1/c, -|v|²/c].
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import ddot
+from scipy.linalg import get_blas_funcs
 
+# BLAS itself does not warn of an overflow, and turning numpy's warning off takes a microsecond.
+dot = get_blas_funcs("dot", dtype=np.float64)
 # Columns at once, whose sum is float32's.
 COLUMNS = 16384
 # Entries of their kernel at once, 2 MB that stay in the cache from the product to the sum; but no
@@ -44,8 +46,7 @@ def state_factor(x: NDArray, origin: NDArray) -> NDArray[np.float32] | None:
     than the product itself.
     """
     near = x - origin
-    # BLAS itself does not warn of an overflow, and turning numpy's warning off takes a microsecond.
-    square = ddot(near, near)
+    square = dot(near, near)
     if not square < LARGEST_HELD:
         return None
     row = np.empty(len(near) + 2, np.float32)
