@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import get_blas_funcs
 
 # BLAS itself does not warn of an overflow, and turning numpy's warning off takes a microsecond.
-dot = get_blas_funcs("dot", dtype=np.float64)
+(dot,) = get_blas_funcs(("dot",), dtype=np.float64)
 # Columns at once, whose sum is float32's.
 COLUMNS = 16384
 # Entries of their kernel at once, 2 MB that stay in the cache from the product to the sum; but no
