@@ -7,7 +7,7 @@ from sheath_manip.dataset.samples import Samples
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Agreement, Policy, Signal
 from sheath_manip.signals import make_signal, planned_signal
-from sheath_manip.support.calibration import threshold_rule
+from sheath_manip.support.calibration import or_nothing_inside, threshold_rule
 
 
 def fit_gate(
@@ -24,6 +24,8 @@ def fit_gate(
     signal: Signal | None = None,
 ) -> Checkpoint:
     """Fit the plan's signal to the policy's training `states`, and calibrate the threshold.
+
+    Where too many states have no score for any threshold, the gate takes none for inside.
 
     Args:
         policy: fitted to `states`.
@@ -46,7 +48,8 @@ def fit_gate(
     else:
         held_out = [signal.scores(episode.images, episode.features) for episode in calibration]
         met = held_out if visited is None else [signal.scores(visited.images, visited.features)]
-        threshold = threshold_rule(plan.threshold_rule)(held_out, met, plan)
+        rule = threshold_rule(plan.threshold_rule)
+        threshold = or_nothing_inside(lambda: rule(held_out, met, plan))
     return Checkpoint(
         task=task,
         policy_name=plan.policy,
