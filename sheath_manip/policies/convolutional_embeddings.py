@@ -20,6 +20,7 @@ Two other training runs on more scenes, the policy painting:
     two-scale, contrast-whitened        .98   1.00    .99    .97    .87
     pixels, whitened                    .98   1.00    .99    .79    .86
     both side by side, pixels twice     .98   1.00    .99    .96    .88
+    and the pixels of the middle        .99   1.00    .99    .99    .91
 """
 
 from typing import final

@@ -5,6 +5,7 @@ import pytest
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies import make_embedding
+from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.side_by_side import SideBySide
 from tests.blobs import fitted_policy, training
 
@@ -70,3 +71,12 @@ def test_the_default_sees_through_the_policy():
     # The last numbers are the pixels', which know no policy.
     np.testing.assert_allclose(first[:, -768:], second[:, -768:], rtol=1e-5)
     assert first.shape[1] > 768
+
+
+def test_pixels_of_the_middle():
+    image = np.zeros((1, 20, 20, 3), np.uint8)
+    image[:, 5:15, 5:15] = 255
+    assert Pixels(side=4, middle=0.5).vectors({"top": image}).tolist() == [[1.0] * 48]
+    for side, middle in ((0, 1.0), (4, 0.0), (4, 1.5)):
+        with pytest.raises(ParameterError, match="wanted at least 1 px"):
+            Pixels(side=side, middle=middle)
