@@ -48,6 +48,8 @@ class Checkpoint:
     method: str
     round: int
     run_seed: int
+    release_margin: float = 0.0
+    """>= 0, how far above the threshold a score must be for the expert to hand back"""
 
     def score(self, observation: Observation) -> float:
         """The signal's score of one observation; NaN where it has none."""
@@ -68,6 +70,7 @@ class Checkpoint:
             "policy": {"name": self.policy_name, "hyper": _hyperparameters(self.policy)},
             "signal": asdict(self.signal_choice),
             "threshold": self.threshold,
+            "release_margin": self.release_margin,
             "false_alarm_rate": self.false_alarm_rate,
             "method": self.method,
             "round": self.round,
@@ -119,6 +122,8 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
             method=str(header["method"]),
             round=int(header["round"]),
             run_seed=int(header["run_seed"]),
+            # Files from before there was one have none.
+            release_margin=float(header.get("release_margin", 0.0)),
         )
     except (UnknownNameError, ParameterError) as error:
         raise CheckpointError(f"{path} does not fit this version or task: {error}") from error

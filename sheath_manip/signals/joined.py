@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.parts import part, prefixed
 from sheath_manip.protocols import Agreement, Arrays, Policy, Signal
-from sheath_manip.signals.parts import part, prefixed
 
 LEAST_SHARE = 1e-3
 """added to every p: a few thousand steps say no more of what is rarer"""

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.parts import part, prefixed
 from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
-from sheath_manip.signals.parts import part, prefixed
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.parts import part, prefixed
 from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy, SupportEstimator
-from sheath_manip.signals.parts import part, prefixed
 
 
 class SupportSignal:
