@@ -10,7 +10,7 @@ import io
 import json
 import os
 import zipfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +91,15 @@ class Checkpoint:
         finally:
             temporary.unlink(missing_ok=True)
         return path
+
+
+def with_policy(checkpoint: Checkpoint, policy: Policy) -> Checkpoint:
+    """Another `policy` under the gate of `checkpoint`, whose signal then looks through that one.
+
+    Only for where nothing depends on the gate: what it was fitted to are the old policy's states.
+    """
+    signal = make_signal(checkpoint.signal_choice).load(policy, checkpoint.signal.arrays())
+    return replace(checkpoint, policy=policy, signal=signal)
 
 
 def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
+from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint, with_policy
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.fitting import calibrated, fit_gate
 from sheath_manip.methods import Method
@@ -84,6 +84,8 @@ class Checkpoints:
             # A copy: what drove the round is yet to be measured.
             policy = self._fresh_policy(plan).load(previous.policy.arrays())
             policy.fit(new if method.latest_only else aggregated)
+            if not (method.looks or plan.refit_unused):
+                return with_policy(previous, policy)
             return self._with_gate(plan, policy, aggregated, calibration, previous, visited)
 
         return self._read_or(fit, method.name, number)

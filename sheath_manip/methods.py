@@ -66,6 +66,8 @@ class Method:
     together with `begin`"""
     begin: Callable[[Arrays], Arrays] = _as_it_is
     """the learned state of its first policy, from that of the policy which all methods share"""
+    looks: bool = True
+    """whether its gate looks at the signal"""
     latest_only: bool = False
     """fit the policy to the last round's states alone, not to all so far"""
 
@@ -113,13 +115,16 @@ def _smile(plan: LearningPlan) -> LearningPlan:
 METHODS = {
     method.name: method
     for method in (
-        Method("cloning", "the expert drives, the policy only watches", lambda _: AlwaysExpert()),
+        Method("cloning", "the expert drives, the policy only watches", lambda _: AlwaysExpert(),
+               looks=False),
         # beta_1 = 1 are the demonstrations; after them the policy drives alone (Ross et al. 2011).
-        Method("dagger", "the policy drives, every state is labelled", lambda _: Mixture(0.0)),
+        Method("dagger", "the policy drives, every state is labelled", lambda _: Mixture(0.0),
+               looks=False),
         Method(
             "dagger-beta",
             "the expert at random, with probability beta^i in round i, else the policy",
             lambda context: Mixture(context.plan.beta**context.round),
+            looks=False,
         ),
         Method(
             "smile",
@@ -127,6 +132,7 @@ METHODS = {
             lambda context: Mixture(expert_weight(context.plan.alpha, context.round)),
             plan=_smile,
             begin=as_first_member,
+            looks=False,
             latest_only=True,
         ),
         Method("sheath", "the policy inside its support, the expert outside", _sheath),
@@ -142,6 +148,7 @@ METHODS = {
             "hg-dagger",
             "the expert where a person says so, whose steps are learned from",
             lambda context: HumanGate(context.person),
+            looks=False,
         ),
         Method(
             "lazy-dagger",
@@ -160,12 +167,14 @@ METHODS = {
             "the expert at random, with SHEATH's own share",
             lambda context: RandomTakeover(context.reference_share),
             follows="sheath",
+            looks=False,
         ),
         Method(
             "random-own-labels",
             "the expert at random, with the share and the labels of SHEATH with own labels",
             lambda context: RandomTakeover(context.reference_share, query=False),
             follows="sheath-own-labels",
+            looks=False,
         ),
     )
 }  # fmt: skip

@@ -50,6 +50,10 @@ class LearningPlan:
     """with which DAgger's mixture decays: in round i the expert acts with probability beta^i"""
     alpha: float = 0.1
     """SMILe's share of the newest policy in what was the expert's"""
+    refit_unused: bool = True
+    """fit the signal anew each round also for methods whose gate looks at none; else theirs stays
+    that of the demonstrations, and only xi and the false alarms, which are measured with it, notice
+    (of the platformer's CPU time it takes the largest part)"""
     methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
     seeds: tuple[int, ...] = (0, 1, 2)
     """of training runs"""

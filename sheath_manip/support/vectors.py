@@ -55,7 +55,10 @@ def checked_rows(X: NDArray, width: int) -> NDArray:
 def squared_distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """(n, n) between (n, d) points, exactly 0 on the diagonal."""
     squares = np.einsum("nd,nd->n", points, points)
-    distances = squares[:, None] + squares[None] - 2 * (points @ points.T)
+    distances = points @ points.T
+    # In place: of many points every copy costs more than the product.
+    distances *= -2
+    distances += squares[:, None] + squares[None]
     np.maximum(distances, 0, out=distances)
     np.fill_diagonal(distances, 0)
     return distances
