@@ -22,7 +22,7 @@ class Claim:
     name: str
     measure: Callable[[Summary], float]
     """a module's own function, since a task's entry travels to worker processes"""
-    relation: Literal["<=", ">=", "<"]
+    relation: Literal["<=", ">=", "<", ">"]
     goal: Callable[[Summary], float]
     """likewise; the bar may be another number of the same summary"""
 
@@ -54,7 +54,12 @@ def judge(claim: Claim, summary: Summary, source: str) -> Verdict:
             f"{source} lacks the numbers of {claim.name!r} ({type(error).__name__} {error}); "
             "run its experiment again"
         ) from error
-    holds = {"<=": value <= goal, ">=": value >= goal, "<": value < goal}[claim.relation]
+    holds = {
+        "<=": value <= goal,
+        ">=": value >= goal,
+        "<": value < goal,
+        ">": value > goal,
+    }[claim.relation]
     return Verdict(source, claim.name, value, f"{claim.relation} {goal:.4g}", holds)
 
 

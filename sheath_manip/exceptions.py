@@ -32,3 +32,7 @@ class ParameterError(SheathError):
 
 class SetupError(SheathError):
     """Something that the machine lacks: a GL library, a free port, disk."""
+
+
+class UnscoredError(ParameterError):
+    """So many states have no score that no threshold will do."""

@@ -8,7 +8,11 @@ from sheath_manip.dataset.samples import Samples
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Agreement, Policy, Signal
 from sheath_manip.signals import make_signal, planned_signal
-from sheath_manip.support.calibration import held_out_threshold, threshold_rule
+from sheath_manip.support.calibration import (
+    held_out_threshold,
+    or_nothing_inside,
+    threshold_rule,
+)
 
 
 def fit_gate(
@@ -25,6 +29,8 @@ def fit_gate(
     signal: Signal | None = None,
 ) -> Checkpoint:
     """Fit the plan's signal to the policy's training `states`, and calibrate the threshold.
+
+    Where too many states have no score for any threshold, the gate takes none for inside.
 
     Args:
         policy: fitted to `states`.
@@ -69,8 +75,10 @@ def calibrated(
     """`checkpoint` with its threshold, and how far above it the expert hands back, by the plan."""
     held_out = [checkpoint.scores(episode) for episode in calibration]
     met = held_out if visited is None else [checkpoint.scores(visited)]
-    threshold = threshold_rule(plan.threshold_rule)(held_out, met, plan)
+    rule = threshold_rule(plan.threshold_rule)
+    threshold = or_nothing_inside(lambda: rule(held_out, met, plan))
     margin = 0.0
     if plan.release_rate > 0:
-        margin = max(0.0, held_out_threshold(held_out, plan.release_rate) - threshold)
+        release = or_nothing_inside(lambda: held_out_threshold(held_out, plan.release_rate))
+        margin = max(0.0, release - threshold)
     return replace(checkpoint, threshold=threshold, release_margin=margin)

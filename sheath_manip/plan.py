@@ -17,7 +17,7 @@ class LearningPlan:
     """hyperparameters of the policy, by name"""
     signal: str = "joined"
     """what the gate looks at: the support, the precedent of the proposed action, or both joined"""
-    embedding: str = "two-scale-convolutions"
+    embedding: str = "convolutions-and-pixels"
     """on which the support is estimated"""
     support: str = "one-class-svm"
     precedent_embedding: str = "foveal-convolutions"

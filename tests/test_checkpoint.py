@@ -54,6 +54,7 @@ def rewritten(path: Path, **changes) -> Path:
     ("policy", "embedding", "signal"),
     [
         ("cnn", "two-scale-convolutions", "support"),
+        ("cnn", "convolutions-and-pixels", "support"),
         ("plain-cnn", "random-convolutions", "support"),
         ("cnn", "pooled-convolutions", "joined"),
         ("paper-cnn", "pooled-convolutions-whitened", "support"),

@@ -35,6 +35,11 @@ def planned_signal(plan: LearningPlan) -> SignalChoice:
     return SignalChoice(*names, hyperparameters)
 
 
+JOINED_WEIGHTS = {"support": 1.0, "precedent": 2.0}
+"""AUROC of costly mistakes on driving's tuning scenes, two training runs: .929 and .911, counting
+alike .928 and .909; alone the support has .894 and .866, the precedent .918 and .900. At a fifth of
+the failure-free windows disturbed 11 of 11 and 11 of 12 failures are foreseen, alike 11 and 10."""
+
 MakeEmbedding = Callable[[str], Embedding]
 
 
@@ -56,7 +61,7 @@ def _precedent(choice: SignalChoice, embedding: MakeEmbedding) -> PrecedentSigna
 
 def _joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
     support, precedent = _support(choice, embedding), _precedent(choice, embedding)
-    return JoinedSignal({"support": support, "precedent": precedent})
+    return JoinedSignal({"support": support, "precedent": precedent}, JOINED_WEIGHTS)
 
 
 SIGNALS: dict[str, Callable[[SignalChoice, MakeEmbedding], Signal]] = {

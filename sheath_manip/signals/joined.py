@@ -2,7 +2,8 @@
 
 Fisher's method (1932): of each signal's score the share p of held-out expert steps that score
 lower is taken, and the logarithms are added. A state that one signal finds impossible is so
-whatever the others say, and two mild suspicions add up. No weight is to be chosen.
+whatever the others say, and two mild suspicions add up. Good (1955), 'On the weighted combination
+of significance tests', lets one signal count more than another.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,17 +25,28 @@ quantile to the lowest score, so that what is farther out ranks lower"""
 
 
 class JoinedSignal:
-    """The sum over its signals of log p; 0 where none ever scored higher, and negative elsewhere.
+    """The weighted sum of its signals' log p: 0 where none ever scored higher, else negative.
 
     The shares are taken from the very steps that a threshold is then calibrated on, which makes a
     step's own share too high by one step in all of them.
     """
 
-    def __init__(self, signals: Mapping[str, Signal]) -> None:
-        """Store the signals by name; ParameterError where there are fewer than two."""
+    def __init__(
+        self, signals: Mapping[str, Signal], weights: Mapping[str, float] | None = None
+    ) -> None:
+        """Store the signals by name, and what each counts: all alike where no weights are given.
+
+        ParameterError where there are fewer than two, or not one positive weight for each.
+        """
         if len(signals) < 2:
             raise ParameterError(f"got {len(signals)} signals to join; wanted at least 2")
+        weights = dict.fromkeys(signals, 1.0) if weights is None else weights
+        if weights.keys() != signals.keys() or not all(w > 0 for w in weights.values()):
+            raise ParameterError(
+                f"got weights {dict(weights)} for signals {list(signals)}; wanted one above 0 each"
+            )
         self.signals = signals
+        self.weights = weights
 
     def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
         """Fit every signal; none is joined before `calibrate`."""
@@ -64,10 +76,11 @@ class JoinedSignal:
     def scores(
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float64]:
-        """(n,) sums of log p; NaN where a signal has no score."""
+        """(n,) weighted sums of log p; NaN where a signal has no score."""
         return np.sum(
             [
-                log_share(signal.scores(images, features), self.references_[name])
+                self.weights[name]
+                * log_share(signal.scores(images, features), self.references_[name])
                 for name, signal in self.signals.items()
             ],
             axis=0,

@@ -10,11 +10,21 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.exceptions import ParameterError, UnknownNameError, UnscoredError
 from sheath_manip.plan import LearningPlan
 
 # One lap calibrates badly (.84-.99 of a new lap inside), three pooled ones well (.94-.96).
 LEAST_EPISODES = 3
+NOTHING_INSIDE = float(np.finfo(np.float32).max)
+"""a threshold that no score reaches: the expert acts everywhere"""
+
+
+def or_nothing_inside(threshold: Callable[[], float]) -> float:
+    """The threshold, or where so much has no score that none will do, one that fails safe."""
+    try:
+        return threshold()
+    except UnscoredError:
+        return NOTHING_INSIDE
 
 
 def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: float) -> float:
@@ -37,7 +47,8 @@ def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: f
         false_alarm_rate: between 0 and 1, both excluded.
 
     Raises:
-        ParameterError: too few episodes or steps for the rate, or a rate outside its range.
+        ParameterError: too few episodes or steps for the rate, or a rate outside its range;
+            UnscoredError among them where too many steps have no score.
     """
     _check_between("false_alarm_rate", false_alarm_rate)
     episodes = _scored(scores_by_episode)
@@ -62,7 +73,7 @@ def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: f
     )
     if 1 / (steps + 1) > false_alarm_rate or threshold == -np.inf:
         missing = int(np.isneginf(scores).sum())
-        raise ParameterError(
+        raise _fault(missing)(
             f"{steps} held-out steps, {missing} of them without a score, cannot hold a false-alarm "
             f"rate of {false_alarm_rate}; wanted at least {int(np.ceil(1 / false_alarm_rate))} "
             "with scores"
@@ -86,7 +97,8 @@ def episode_threshold(scores_by_episode: Sequence[NDArray], alarm_probability: f
         alarm_probability: between 0 and 1, both excluded.
 
     Raises:
-        ParameterError: too few episodes with scores for the probability, or one outside its range.
+        ParameterError: too few episodes for the probability, or one outside its range;
+            UnscoredError among them where too many have a step without a score.
     """
     _check_between("alarm_probability", alarm_probability)
     minima = np.sort([scores.min() for scores in _scored(scores_by_episode)])
@@ -95,7 +107,7 @@ def episode_threshold(scores_by_episode: Sequence[NDArray], alarm_probability: f
     if rank == 0 or minima[rank - 1] == -np.inf:
         missing = int(np.isneginf(minima).sum())
         wanted = int(np.ceil((missing + 1) / alarm_probability - 1e-9)) - 1
-        raise ParameterError(
+        raise _fault(missing)(
             f"{len(minima)} held-out episodes, {missing} of them with a step without a score, "
             f"cannot hold an alarm probability of {alarm_probability}; wanted at least {wanted}"
         )
@@ -117,14 +129,15 @@ def budget_threshold(scores: NDArray, expert_share: float) -> float:
         expert_share: between 0 and 1, both excluded.
 
     Raises:
-        ParameterError: too few scores for the share, or a share outside its range.
+        ParameterError: too few scores for the share, or a share outside its range; UnscoredError
+            among them where too many steps have none.
     """
     _check_between("expert_share", expert_share)
     ordered = np.sort(np.concatenate([np.empty(0), *_scored([scores])]))
     below = int(np.floor(expert_share * len(ordered) + 1e-9))
     if below == 0 or ordered[below] == -np.inf:
         missing = int(np.isneginf(ordered).sum())
-        raise ParameterError(
+        raise _fault(missing)(
             f"{len(ordered)} steps, {missing} of them without a score, cannot hold an expert share "
             f"of {expert_share}; wanted at least {int(np.ceil(1 / expert_share))} and a share of "
             f"at least that without one"
@@ -153,6 +166,11 @@ def threshold_rule(name: str) -> ThresholdRule:
 def _check_between(name: str, value: float) -> None:
     if not 0 < value < 1:
         raise ParameterError(f"{name} is {value}; wanted a share between 0 and 1, like 0.05")
+
+
+def _fault(missing: int) -> type[ParameterError]:
+    """UnscoredError where scores are missing, not steps or episodes."""
+    return UnscoredError if missing else ParameterError
 
 
 def _scored(scores_by_episode: Sequence[NDArray]) -> list[NDArray[np.float64]]:

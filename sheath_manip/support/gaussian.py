@@ -6,7 +6,10 @@ of the product: [x, |x|², 1] · [2v/c, -1/c, -|v|²/c].
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import get_blas_funcs
 
+# BLAS itself does not warn of an overflow, and turning numpy's warning off takes a microsecond.
+(dot,) = get_blas_funcs(("dot",), dtype=np.float64)
 # Columns at once, whose sum is float32's.
 COLUMNS = 16384
 # Entries of their kernel at once, 2 MB that stay in the cache from the product to the sum; but no
@@ -16,6 +19,8 @@ ROWS = 256
 # Squares above this, in units of c, leave rounding errors that show, and that an exponential may
 # blow up.
 LARGEST_SQUARE = 1e4
+# float32 holds squares up to here, with room to spare.
+LARGEST_HELD = 1e30
 # An array, since numpy converts a Python number anew in every call.
 ZERO = np.zeros((), np.float32)
 
@@ -32,6 +37,23 @@ def row_factor(X: NDArray, origin: NDArray | float) -> NDArray[np.float32]:
         np.vecdot(near, near, out=factor[:, -2])
     factor[:, -1] = 1
     return factor
+
+
+def state_factor(x: NDArray, origin: NDArray) -> NDArray[np.float32] | None:
+    """(d + 2,) the row of `row_factor` for one (d,) vector; None where float32 cannot hold it.
+
+    A control loop asks for one state at a time, and there `row_factor` takes longer to get ready
+    than the product itself.
+    """
+    near = x - origin
+    square = dot(near, near)
+    if not square < LARGEST_HELD:
+        return None
+    row = np.empty(len(near) + 2, np.float32)
+    row[:-2] = near
+    row[-2] = square
+    row[-1] = 1
+    return row
 
 
 class GaussianColumns:
@@ -51,6 +73,13 @@ class GaussianColumns:
             factor[-1] = -squared[some]
             self._parts.append((factor, np.asarray(weights[some], np.float32)))
 
+    def sum_of(self, row: NDArray[np.float32]) -> float:
+        """The sum for one (d + 2,) row of a left factor."""
+        total = 0.0
+        for factor, weights in self._parts:
+            total += float(self._tile(row, factor, weights))
+        return total
+
     def sums(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n,) for an (n, d + 2) left factor."""
         if len(self._parts) == 1 and len(rows) <= ROWS:
@@ -69,6 +98,7 @@ class GaussianColumns:
         factor: NDArray[np.float32],
         weights: NDArray[np.float32],
     ) -> NDArray[np.float32]:
+        """(n,) for (n, d + 2) rows, or one sum for a (d + 2,) row."""
         # On one row `dot` costs less than `@`.
         kernel = rows.dot(factor)
         if self._exceed:

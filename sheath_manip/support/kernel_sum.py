@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
-from sheath_manip.support.gaussian import GaussianColumns, row_factor
+from sheath_manip.support.gaussian import GaussianColumns, row_factor, state_factor
 
 
 class KernelSum:
@@ -26,6 +26,8 @@ class KernelSum:
 
     def __call__(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) for (n, d) rows; NaN for rows that are not finite."""
+        if len(X) == 1 and (row := state_factor(X[0], self.center)) is not None:
+            return np.array([self._columns.sum_of(row)])
         rows = row_factor(X, self.center)
         held = np.isfinite(rows[:, -2])
         if held.all():

@@ -17,6 +17,7 @@ from tests import buttons
 from tests.blobs import fitted_policy, held_out, training
 
 SPATIAL = (
+    "convolutions-and-pixels",
     "two-scale-convolutions",
     "pooled-convolutions",
     "pooled-convolutions-whitened",

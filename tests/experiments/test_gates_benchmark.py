@@ -16,7 +16,7 @@ from sheath_manip.experiments.gates.plan import PLANS, GatesPlan
 from sheath_manip.experiments.gates.rows import BASELINES, default_name, rows
 from sheath_manip.experiments.gates.summary import pooled
 from sheath_manip.experiments.gates.table import tables
-from sheath_manip.policies import IMAGE_EMBEDDINGS
+from sheath_manip.policies import EMBEDDINGS, IMAGE_EMBEDDINGS
 from sheath_manip.support import SUPPORTS
 from tests.experiments.test_figures_generic import assert_shows_something
 from tests.toy import CORRIDOR, PLAN

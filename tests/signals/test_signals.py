@@ -145,7 +145,24 @@ def test_joined_one_veto_suffices_and_two_suspicions_add_up():
     assert score(-np.inf, 0.0) == -np.inf
 
 
+def test_a_weight_is_how_often_a_signal_counts():
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(500, 2)).astype(np.float32)
+    samples = replace(held_out(), features=features, images={})
+
+    def scores(*columns: int, **weights: float) -> np.ndarray:
+        signals = {f"s{number}": Given(column) for number, column in enumerate(columns)}
+        joined = JoinedSignal(signals, weights or None)  # pyright: ignore[reportArgumentType]
+        return joined.calibrate([samples]).scores({}, features)
+
+    np.testing.assert_allclose(scores(0, 1, s0=1.0, s1=2.0), scores(0, 1, 1))
+
+
 def test_what_cannot_be_joined():
+    two = {"a": Given(0), "b": Given(1)}
+    for weights in ({"a": 1.0}, {"a": 1.0, "b": 0.0}):
+        with pytest.raises(ParameterError, match="wanted one above 0 each"):
+            JoinedSignal(two, weights)  # pyright: ignore[reportArgumentType]
     with pytest.raises(ParameterError, match="wanted at least 2"):
         JoinedSignal({"one": Given(0)})  # pyright: ignore[reportArgumentType]
     nothing = replace(held_out(), features=np.full((50, 2), np.nan, np.float32), images={})

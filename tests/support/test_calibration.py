@@ -3,9 +3,11 @@ import pytest
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.support.calibration import (
+    NOTHING_INSIDE,
     budget_threshold,
     episode_threshold,
     held_out_threshold,
+    or_nothing_inside,
 )
 
 
@@ -70,6 +72,13 @@ def test_the_share_below_the_threshold_never_exceeds_the_rate():
 def test_what_cannot_be_calibrated(episodes, rate, message):
     with pytest.raises(ParameterError, match=message):
         held_out_threshold(episodes, rate)
+
+
+def test_where_scores_are_missing_nothing_is_inside():
+    unscored = [np.full(100, np.nan)] * 3
+    assert or_nothing_inside(lambda: held_out_threshold(unscored, 0.05)) == NOTHING_INSIDE
+    with pytest.raises(ParameterError, match="at least 3"):
+        or_nothing_inside(lambda: held_out_threshold(unscored[:2], 0.05))
 
 
 @pytest.mark.parametrize(("episodes", "alpha"), [(9, 0.1), (20, 0.1), (30, 0.25), (4, 0.2)])

@@ -32,6 +32,8 @@ def test_far_rows_sum_to_nothing_and_rows_that_are_not_finite_to_nan():
     for rows in (X, X[1:]):
         sums = KernelSum(np.zeros(3), vectors, np.ones(3), 1.0)(rows)
         np.testing.assert_array_equal(sums[-5:], [0, 0, 0, np.nan, np.nan])
+    one_by_one = [KernelSum(np.zeros(3), vectors, np.ones(3), 1.0)(row[None])[0] for row in X[1:]]
+    np.testing.assert_array_equal(one_by_one, [0, 0, 0, np.nan, np.nan])
 
 
 def test_vectors_far_from_the_others_do_not_overflow():

@@ -187,6 +187,8 @@ def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
         embeddings = dict.fromkeys(row.plan.embedding for row in listed)
         for name in embeddings:
             score.append(Score(at, tuple(row for row in listed if row.plan.embedding == name)))
+        if not at.in_loop:
+            continue
         main, other = main_size(at.plan), other_size(at.plan)
         first += [Drive(at, name, main) for name in BASELINES]
         first += [Drive(at, row.name, main) for row in listed if row.main]

@@ -21,7 +21,11 @@ from sheath_manip.experiments.gates.foresight import (
 )
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import Visit, visits
-from sheath_manip.support.calibration import episode_threshold, held_out_threshold
+from sheath_manip.support.calibration import (
+    episode_threshold,
+    held_out_threshold,
+    or_nothing_inside,
+)
 
 CURVE = np.round(np.linspace(0, 1, 51), 2)
 """false-alarm rates at which ROC curves are kept"""
@@ -123,7 +127,7 @@ def measured(gate: Checkpoint, seen: Evidence, setting: Setting) -> Offline:
     differs = np.concatenate([visit.differs for visit in seen.visits])
     on_policy = np.concatenate(visited)
     few = [
-        held_out_threshold(calibration[start : start + plan.few], plan.few_false_alarm_rate)
+        _threshold(calibration[start : start + plan.few], plan.few_false_alarm_rate)
         for start in range(0, len(calibration) - plan.few + 1, plan.few)
     ]
     drives = [
@@ -141,7 +145,7 @@ def measured(gate: Checkpoint, seen: Evidence, setting: Setting) -> Offline:
             rate_of(differs),
         ),
         alarm=_alarm(gate.threshold, calibration, drives, setting),
-        thresholds={str(rate): held_out_threshold(calibration, rate) for rate in plan.rates},
+        thresholds={str(rate): _threshold(calibration, rate) for rate in plan.rates},
         curves={
             "far": _curve(expert, far),
             "costly": _curve(on_policy[~costly], on_policy[costly]),
@@ -174,8 +178,8 @@ def _alarm(
     episode_rate = max(plan.alarm_rate, 1 / (len(calibration) + 1))
     thresholds = {
         "step": threshold,
-        "window": held_out_threshold(windows, plan.alarm_rate),
-        "episode": episode_threshold(calibration, episode_rate),
+        "window": _threshold(windows, plan.alarm_rate),
+        "episode": or_nothing_inside(lambda: episode_threshold(calibration, episode_rate)),
     }
     before = before_failure(drives, plan.window)
     free = failure_free(drives, plan.window, plan.spared)
@@ -187,6 +191,10 @@ def _alarm(
             for name, value in thresholds.items()
         },
     )
+
+
+def _threshold(scores_by_episode: Sequence[NDArray], rate: float) -> float:
+    return or_nothing_inside(lambda: held_out_threshold(scores_by_episode, rate))
 
 
 def _curve(inside: NDArray, outside: NDArray) -> list[float]:

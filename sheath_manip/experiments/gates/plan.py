@@ -16,8 +16,10 @@ class GatesPlan:
     learning: str = "full"
     """the task's plan that says what is demonstrated, what is fitted, and what the default gate is
     (its `check` episodes are the new expert episodes)"""
-    seeds: tuple[int, ...] = (0,)
+    seeds: tuple[int, ...] = (0, 1, 2)
     """of training runs"""
+    loop_seeds: int = 1
+    """of these the first so many, whose gates also take part in the loop, which takes longest"""
     embeddings: tuple[str, ...] | None = None
     """beside the default; all of the table where None"""
     supports: tuple[str, ...] | None = None
@@ -26,7 +28,7 @@ class GatesPlan:
     """steps of a new expert episode, between the states that are displaced"""
     displaced_episodes: int = 12
     """new expert episodes whose states are displaced, at most"""
-    visited: int = 60
+    visited: int = 100
     """held-out scenes on which the policy drives alone and its mistakes are looked for"""
     window: int = 10
     """steps before a failure in which an alarm counts; also the length of failure-free windows"""
@@ -56,6 +58,8 @@ class GatesPlan:
             raise ParameterError(f"rates are {self.rates}; wanted some, each between 0 and 1")
         if not self.seeds:
             raise ParameterError("seeds is empty; wanted at least one")
+        if self.loop_seeds < 1:
+            raise ParameterError(f"loop_seeds is {self.loop_seeds}; wanted at least 1")
         for kind, names, known in (
             ("embedding", self.embeddings, EMBEDDINGS),
             ("support estimator", self.supports, SUPPORTS),
@@ -78,6 +82,7 @@ PLANS = {
     "full": GatesPlan(),
     "quick": GatesPlan(
         learning="quick",
+        seeds=(0,),
         embeddings=("penultimate",),
         supports=("mahalanobis",),
         displaced_every=12,

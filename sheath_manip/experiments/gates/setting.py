@@ -47,6 +47,11 @@ class Setting:
         """For all that is no episode."""
         return self.runs / f"s{self.seed}"
 
+    @property
+    def in_loop(self) -> bool:
+        """Whether this seed's gates take part in the loop."""
+        return self.seed in self.plan.seeds[: self.plan.loop_seeds]
+
     def store(self) -> EpisodeStore:
         """The episodes of all seeds."""
         return EpisodeStore(self.runs / "store")

@@ -76,10 +76,11 @@ def summarise(
 
 
 def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
-    """One task; its training seeds pooled."""
+    """One task; its training seeds pooled, in the loop those that took part in it."""
     first = settings[0]
+    in_loop = [setting for setting in settings if setting.in_loop]
     listed = rows(first.plan, first.learning)
-    ends = {name: _loops(settings, name) for name in (POLICY, EXPERT)}
+    ends = {name: _loops(in_loop, name) for name in (POLICY, EXPERT)}
     return {
         "default": default_name(listed, first.learning),
         "learning": first.learning.described(),
@@ -92,7 +93,7 @@ def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
                     "main": row.main,
                     **_offline(offline_of(settings, row.name)),
                     "loop": dataclasses.asdict(
-                        _in_loop(_loops(settings, row.name), ends, first.plan)
+                        _in_loop(_loops(in_loop, row.name), ends, first.plan)
                     ),
                 }
                 for row in listed
@@ -104,7 +105,7 @@ def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
                     "signals": (),
                     "main": True,
                     "loop": dataclasses.asdict(
-                        _in_loop(_loops(settings, name), ends, first.plan, name)
+                        _in_loop(_loops(in_loop, name), ends, first.plan, name)
                     ),
                 }
                 for name in BASELINES
