@@ -10,7 +10,7 @@ import io
 import json
 import os
 import zipfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +48,8 @@ class Checkpoint:
     method: str
     round: int
     run_seed: int
+    release_margin: float = 0.0
+    """>= 0, how far above the threshold a score must be for the expert to hand back"""
 
     def score(self, observation: Observation) -> float:
         """The signal's score of one observation; NaN where it has none."""
@@ -68,6 +70,7 @@ class Checkpoint:
             "policy": {"name": self.policy_name, "hyper": _hyperparameters(self.policy)},
             "signal": asdict(self.signal_choice),
             "threshold": self.threshold,
+            "release_margin": self.release_margin,
             "false_alarm_rate": self.false_alarm_rate,
             "method": self.method,
             "round": self.round,
@@ -88,6 +91,15 @@ class Checkpoint:
         finally:
             temporary.unlink(missing_ok=True)
         return path
+
+
+def with_policy(checkpoint: Checkpoint, policy: Policy) -> Checkpoint:
+    """Another `policy` under the gate of `checkpoint`, whose signal then looks through that one.
+
+    Only for where nothing depends on the gate: what it was fitted to are the old policy's states.
+    """
+    signal = make_signal(checkpoint.signal_choice).load(policy, checkpoint.signal.arrays())
+    return replace(checkpoint, policy=policy, signal=signal)
 
 
 def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
@@ -119,6 +131,8 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
             method=str(header["method"]),
             round=int(header["round"]),
             run_seed=int(header["run_seed"]),
+            # Files from before there was one have none.
+            release_margin=float(header.get("release_margin", 0.0)),
         )
     except (UnknownNameError, ParameterError) as error:
         raise CheckpointError(f"{path} does not fit this version or task: {error}") from error

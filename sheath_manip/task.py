@@ -23,6 +23,9 @@ class TaskEntry:
     """from the environment, since an expert may look at the physics"""
     plans: Mapping[str, LearningPlan]
     """`full` and `quick`"""
+    run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
+    """by name, from the seed of a training run: all its episodes belong to one scene of the run's
+    own, such as one stage, and their seeds choose what else may differ"""
     figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
     """figures of this task alone, by name"""
     claims: Sequence[Claim] = ()
@@ -35,3 +38,12 @@ class TaskEntry:
         if variant not in self.variants:
             raise UnknownNameError(f"variant of {self.name}", variant, self.variants)
         return self.variants[variant]()
+
+    def make_for_run(self, variant: str, run_seed: int) -> Environment:
+        """A new environment for the training run of that seed; raises UnknownNameError."""
+        if variant in self.run_variants:
+            return self.run_variants[variant](run_seed)
+        if variant not in self.variants:
+            known = (*self.variants, *self.run_variants)
+            raise UnknownNameError(f"variant of {self.name}", variant, known)
+        return self.make(variant)

@@ -10,6 +10,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.gates import redrawing
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, record_of
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
 from sheath_manip.rollout import rollout
@@ -48,7 +49,7 @@ def run_all(
             episode = rollout(
                 environment,
                 info,
-                gate,
+                redrawing(gate, policy),
                 rng=generator("gate", info.method, info.run_seed, info.round, info.index),
                 policy=policy,
                 expert=expert,

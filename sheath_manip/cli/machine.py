@@ -66,7 +66,7 @@ def _described(task: TaskEntry) -> Table:
             "cameras": ", ".join(cameras),
             "actions": _actions(spec.action),
             "judged by": spec.metric,
-            "variants": ", ".join(task.variants),
+            "variants": ", ".join((*task.variants, *task.run_variants)),
             "plans": ", ".join(task.plans),
         },
     )

@@ -164,7 +164,9 @@ def _figures(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
 
 
 def _average(values: Any) -> float:
+    """The mean of those that are numbers: in a round without labels some measures are none."""
     array = np.array(list(values), dtype=float)
+    array = array[~np.isnan(array)]
     return float(array.mean()) if array.size else math.nan
 
 

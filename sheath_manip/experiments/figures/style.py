@@ -93,7 +93,19 @@ def looks(names: list[str]) -> dict[str, tuple[str, str]]:
 
 def shown(name: str) -> str:
     """A method's name as its authors write it."""
-    written = {"sheath": "SHEATH", "dagger": "DAgger", "cloning": "behaviour cloning"}
+    written = {
+        "sheath": "SHEATH",
+        "sheath-own-labels": "SHEATH, own labels",
+        "sheath-plain": "SHEATH as in the draft",
+        "dagger": "DAgger",
+        "dagger-beta": "DAgger with β",
+        "hg-dagger": "HG-DAgger",
+        "lazy-dagger": "LazyDAgger",
+        "thrifty-dagger": "ThriftyDAgger",
+        "smile": "SMILe",
+        "shiv": "SHIV's queries",
+        "cloning": "behaviour cloning",
+    }
     return written.get(name, name.replace("-", " "))
 
 
