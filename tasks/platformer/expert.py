@@ -48,8 +48,6 @@ FOLLOWED_STEPS = 8
 """of a plan, before another one looks farther ahead"""
 _JUMP_S = 0.02
 """what a jump's press costs beside its time: it jumps where it must"""
-_IN_AIR_S = 0.05
-"""less than this far from a goal is who has passed the horizon in the air"""
 _ACCELERATION_M_S2 = 40.0
 """of the actuator in the world's file"""
 
@@ -154,9 +152,9 @@ class Planner:
             return 0.0
         away = self._goal_m - moment.x
         if away <= 0:
-            return 0.0 if moment.grounded else _IN_AIR_S
+            return 0.0
         lacking = max(RUN_M_S - moment.vx, 0.0)
-        return away / RUN_M_S + lacking**2 / (2 * _ACCELERATION_M_S2 * RUN_M_S) + _IN_AIR_S
+        return away / RUN_M_S + lacking**2 / (2 * _ACCELERATION_M_S2 * RUN_M_S)
 
 
 def _key(moment: Moment) -> tuple:
