@@ -5,7 +5,7 @@ that is looked at only the first action's successor is made; the next action wai
 state's own estimate. Where the way is clear, hardly more states are made than the plan has.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from typing import Generic, TypeVar
@@ -33,8 +33,10 @@ class Plan(Generic[S]):
 class AStar(Generic[S]):
     """What to search in, and how hard. Costs and estimates share one unit."""
 
-    costs: Sequence[float]
-    """of each action; the actions are tried in this order"""
+    actions: int
+    """how many there are; a state's successors are made in their order"""
+    cost: Callable[[int, S], float]
+    """of an action that leads to a state"""
     successor: Callable[[S, int], S | None]
     """by action index; None where it is a dead end"""
     estimate: Callable[[S], float]
@@ -48,9 +50,9 @@ class AStar(Generic[S]):
     most_nodes: int = 240
 
     def __post_init__(self) -> None:
-        if not self.costs or self.weight < 1 or self.most_nodes < 1:
+        if self.actions < 1 or self.weight < 1 or self.most_nodes < 1:
             raise ParameterError(
-                f"{len(self.costs)} actions, weight {self.weight}, {self.most_nodes} nodes; "
+                f"{self.actions} actions, weight {self.weight}, {self.most_nodes} nodes; "
                 "wanted at least one action, a weight of 1 or more and one node or more"
             )
 
@@ -66,12 +68,12 @@ class AStar(Generic[S]):
         best, best_merit = 0, (False, -float("inf"))
         while queue and len(states) <= self.most_nodes:
             rank, _, node, action = heappop(queue)
-            if action + 1 < len(self.costs):
+            if action + 1 < self.actions:
                 heappush(queue, (rank, -node, node, action + 1))
             state = self.successor(states[node], action)
             if state is None:
                 continue
-            cost = costs[node] + self.costs[action]
+            cost = costs[node] + self.cost(action, state)
             key = self.key(state)
             if seen.get(key, float("inf")) <= cost:
                 continue

@@ -48,6 +48,11 @@ FOLLOWED_STEPS = 8
 """of a plan, before another one looks farther ahead"""
 _JUMP_S = 0.02
 """what a jump's press costs beside its time: it jumps where it must"""
+_EDGE_M, _EDGE_S = 1.2, 0.06
+"""how near to a gap the ground is avoided, and at what price: whoever jumps at the very edge is
+lost if the button comes a step late"""
+_ENEMY_M, _ENEMY_S = 2.0, 0.06
+"""likewise, how near to an enemy ahead"""
 _ACCELERATION_M_S2 = 40.0
 """of the actuator in the world's file"""
 
@@ -63,9 +68,9 @@ class Planner:
         self._pool = BlockPool(model)
         self._game = Game(model, data)
         self._goal_m = 0.0
-        seconds = MACRO_STEPS / CONTROL_RATE_HZ
         self._search = AStar(
-            costs=[seconds + _JUMP_S * buttons.jump for buttons in ACTIONS],
+            actions=len(ACTIONS),
+            cost=self._cost,
             successor=self._successor,
             estimate=self._estimate,
             key=_key,
@@ -146,6 +151,16 @@ class Planner:
                 return False
         return True
 
+    def _cost(self, action: int, moment: Moment) -> float:
+        """Seconds, and what is to be avoided at the price of some."""
+        cost = MACRO_STEPS / CONTROL_RATE_HZ + _JUMP_S * ACTIONS[action].jump
+        if moment.grounded and moment.vx > 1.0:
+            if self._gaps[floor(moment.x + _EDGE_M) + LEAD_TILES] is not None:
+                cost += _EDGE_S
+            elif self._game.enemy_within(_ENEMY_M):
+                cost += _ENEMY_S
+        return cost
+
     def _estimate(self, moment: Moment) -> float:
         """Seconds to the goal, from this speed to a run and on."""
         if moment.end is End.FLAG:
@@ -196,5 +211,3 @@ class PlatformerExpert:
             self._way = dict(self._planner.followed(plan, FOLLOWED_STEPS))
         # Where every action leads to death there is no plan; running on is as good as any.
         return self._way.get(moment, ACTIONS[0])
-
-

@@ -153,6 +153,17 @@ class Game:
         )  # fmt: skip
         return self.moment
 
+    def enemy_within(self, ahead_m: float) -> bool:
+        """Whether a living enemy is less than `ahead_m` to the right, at the player's height."""
+        assert self._stage is not None
+        moment = self.moment
+        for index in self._near[int(moment.x) + LEAD_TILES]:
+            if moment.alive >> index & 1:
+                x, z = self._stage.enemies[index].position(moment.step)
+                if 0 < x - moment.x < ahead_m and abs(z - moment.z) < 1.0:
+                    return True
+        return False
+
     def _on_ground(self) -> bool:
         if not self._data.ncon:
             return False

@@ -23,6 +23,7 @@ _SAFE_TILES = 8
 _GROUND = 3
 """height of start and finish; the profile stays within 2 .. 7"""
 _LOWEST, _HIGHEST = 2, 7
+_PIPE_TILES = 2
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Block:
     left: float
     right: float
     height: float
+    pipe: bool = False
+    """narrow and higher than what is beside it: only looks different"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +83,7 @@ def _piece(ground: int, difficulty: int, draws: Iterator[float]) -> list[int]:
         return [0] * width + [behind] * flat
     if kind < 0.6:
         rise = _between(2, 3, next(draws))
-        return [ground + rise] * 2 + [ground] * flat
+        return [ground + rise] * _PIPE_TILES + [ground] * flat
     if kind < 0.75:
         # Stairs up to a ledge.
         rise = _between(2, 3, next(draws))
@@ -96,10 +99,12 @@ def _clipped(height: int) -> int:
 
 
 def _runs(profile: list[int]) -> Iterator[Block]:
-    left = -LEAD_TILES
+    left = 0
     for height, run in groupby(profile):
         right = left + len(list(run))
-        yield Block(float(left), float(right), float(height))
+        beside = profile[max(left - 1, 0)], profile[min(right, len(profile) - 1)]
+        pipe = right - left == _PIPE_TILES and height >= max(beside) + 2
+        yield Block(float(left - LEAD_TILES), float(right - LEAD_TILES), float(height), pipe)
         left = right
 
 

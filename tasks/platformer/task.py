@@ -42,7 +42,7 @@ _OUTCOMES = {
     End.DEATH: Outcome.FAILURE,
 }
 _NOTHING = Buttons(False, False, False, False)
-_WALKER_RGBA, _HOPPER_RGBA = (0.42, 0.26, 0.14, 1.0), (0.16, 0.55, 0.2, 1.0)
+_WALKER_RGBA, _HOPPER_RGBA = (0.42, 0.26, 0.14, 1.0), (0.5, 0.2, 0.55, 1.0)
 
 
 @dataclass(frozen=True)

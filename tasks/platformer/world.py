@@ -14,6 +14,7 @@ ASSETS = Path(__file__).resolve().parents[2] / "assets" / "platformer"
 
 MOST_BLOCKS = 90
 _HALF_DEPTH_M = 0.5
+_GROUND_RGBA, _PIPE_RGBA = (0.62, 0.42, 0.26, 1.0), (0.2, 0.62, 0.24, 1.0)
 _PARKED = Block(-14.0, -13.0, 1.0)
 """within the wall at the left end, where nothing shows or is touched"""
 PARKED_M = (-13.0, 0.0, 2.0)
@@ -55,8 +56,9 @@ class BlockPool:
         spare = len(self._geoms) - len(blocks)
         if spare < 0:
             raise ParameterError(f"{len(blocks)} blocks; the pool holds {len(self._geoms)}")
-        left, right, height = np.array(
-            [(block.left, block.right, block.height) for block in (*blocks, *[_PARKED] * spare)]
+        laid = (*blocks, *[_PARKED] * spare)
+        left, right, height, pipe = np.array(
+            [(each.left, each.right, each.height, each.pipe) for each in laid]
         ).T
         first, model = self._geoms[0], self._model
         rows = slice(first, first + len(self._geoms))
@@ -64,6 +66,7 @@ class BlockPool:
         model.geom_pos[rows, 2] = height / 2
         model.geom_size[rows, 0] = (right - left) / 2
         model.geom_size[rows, 2] = height / 2
+        model.geom_rgba[rows] = np.where(pipe[:, None] > 0, _PIPE_RGBA, _GROUND_RGBA)
         # What the broad phase takes for the radius of a sphere around the box.
         model.geom_rbound[rows] = np.sqrt(
             model.geom_size[rows, 0] ** 2 + _HALF_DEPTH_M**2 + model.geom_size[rows, 2] ** 2
