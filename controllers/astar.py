@@ -1,7 +1,7 @@
-"""Weighted A* over the successors of any simulator, one successor at a time.
+"""Weighted A* over the successors of any simulator, made one at a time.
 
-Weighted A* (Pohl, 1970) with partial expansion (Yoshizumi, Miura and Ishida, 2000): of a state
-that is looked at only the first action's successor is made; the next action waits in the queue with the
+Weighted A* (Pohl, 1970) with partial expansion (Yoshizumi, Miura and Ishida, 2000): of a state that
+comes up only the first action's successor is made, and the next action waits in the queue with the
 state's own estimate. Where the way is clear, hardly more states are made than the plan has.
 """
 

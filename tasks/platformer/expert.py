@@ -1,7 +1,7 @@
 """The platformer's expert: A* through the game's own physics, on a model of its own.
 
-The draft's expert is an A* planner, too (section V-A). A plan is kept and followed as long as the game
-is, to the bit, where the plan said it would be; anywhere else the expert plans anew.
+The draft's expert is an A* planner, too (section V-A). A plan is kept and followed as long as the
+game is, to the bit, where the plan said it would be; anywhere else the expert plans anew.
 """
 
 from itertools import pairwise
@@ -187,7 +187,7 @@ class PlatformerExpert:
         if not isinstance(environment.task, PlatformerTask):
             raise TypeError(f"PlatformerExpert wants a PlatformerTask, got {environment.task!r}")
         self._task = environment.task
-        self._planner = Planner()
+        self.planner = Planner()
         self._stage: Stage | None = None
         self._way: dict[Moment, Buttons] = {}
 
@@ -203,11 +203,10 @@ class PlatformerExpert:
         """What to press now."""
         moment = self._task.moment
         if self._task.stage is not self._stage:
-            assert self._task.stage is not None
             self._stage, self._way = self._task.stage, {}
-            self._planner.begin(self._stage)
+            self.planner.begin(self._stage)
         if moment not in self._way:
-            plan = self._planner.plan(moment)
-            self._way = dict(self._planner.followed(plan, FOLLOWED_STEPS))
+            plan = self.planner.plan(moment)
+            self._way = dict(self.planner.followed(plan, FOLLOWED_STEPS))
         # Where every action leads to death there is no plan; running on is as good as any.
         return self._way.get(moment, ACTIONS[0])

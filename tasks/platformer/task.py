@@ -78,12 +78,10 @@ class PlatformerTask(SheathTask):
     def __init__(self, scenario: Scenario | None = None) -> None:
         self.scenario = scenario or Scenario()
         self._world = World()
-        self.stage: Stage | None = None
-        """of the present episode"""
+        self._stage: Stage | None = None
         self._game: Game | None = None
         self._pool: BlockPool | None = None
         self._past: deque[Glimpse] = deque(maxlen=REMEMBERED)
-        self._shown_alive = -1
         self._observables = OrderedDict(features=observable.Generic(self._features))
         cameras = {}
         if self.scenario.image_px:
@@ -117,6 +115,12 @@ class PlatformerTask(SheathTask):
     def task_observables(self) -> OrderedDict:
         """The features, and the picture where there is one."""
         return self._observables
+
+    @property
+    def stage(self) -> Stage:
+        """Of the present episode."""
+        assert self._stage is not None, "the task has not been reset yet"
+        return self._stage
 
     @property
     def moment(self) -> Moment:
@@ -153,7 +157,7 @@ class PlatformerTask(SheathTask):
     def play(self, physics: mjcf.Physics, stage: Stage, start_x_m: float) -> None:
         """Begin on `stage` at `start_x_m`; for tests and scripted starts too."""
         assert self._pool is not None
-        self.stage = stage
+        self._stage = stage
         self._pool.lay(stage.blocks)
         self._sight = Sight(stage)
         self.game.begin(stage)
@@ -192,7 +196,6 @@ class PlatformerTask(SheathTask):
 
     def metrics(self) -> Mapping[str, float]:
         """How far the player came, at most to the flag, and how many enemies it stomped."""
-        assert self.stage is not None
         distance = min(max(self.moment.farthest, 0.0), float(LENGTH_TILES))
         stomped = len(self.stage.enemies) - self.moment.alive.bit_count()
         return {
@@ -220,7 +223,6 @@ class PlatformerTask(SheathTask):
 
     def _show(self, physics: mjcf.Physics) -> None:
         """Move the enemies, which the physics does not know, to where the rules say they are."""
-        assert self.stage is not None
         moment = self.moment
         places = [
             (x, 0.0, z) if moment.alive >> index & 1 else PARKED_M

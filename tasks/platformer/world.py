@@ -25,7 +25,7 @@ def build_world(blocks: int, enemies: int) -> mjcf.RootElement:
     """The model with pools of so many blocks and enemies."""
     root: Any = mjcf.from_path(str(ASSETS / "world.xml"))
     for number in range(blocks):
-        # Off the origin: there the compiler would note that the geom's place is the body's, for good.
+        # Off the origin, where the compiler would note for good that a geom is at its body's place.
         place = {"pos": [1, 0, 1], "size": [0.5, _HALF_DEPTH_M, 0.5]}
         root.worldbody.add("geom", name=f"block_{number}", dclass="block", **place)
     for number in range(enemies):

@@ -5,7 +5,7 @@ import pytest
 
 from sheath_manip.types import Outcome
 from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.expert import ACTIONS, FOLLOWED_STEPS, PlatformerExpert, Planner
+from tasks.platformer.expert import ACTIONS, FOLLOWED_STEPS, Planner, PlatformerExpert
 from tasks.platformer.stage import LENGTH_TILES
 from tasks.platformer.task import CHOICES, PlatformerTask, Scenario
 
@@ -44,7 +44,6 @@ def test_what_is_planned_is_what_happens_to_the_bit(environment, task):
     """Over half a stage, though the planner has a model of its own with other blocks in it."""
     planner = Planner()
     environment.reset(3)
-    assert task.stage is not None
     planner.begin(task.stage)
     for _ in range(25):
         plan = planner.plan(task.moment)
@@ -61,8 +60,8 @@ def test_what_is_planned_is_what_happens_to_the_bit(environment, task):
 
 def test_plans_only_where_it_must(environment, expert, monkeypatch):
     calls = []
-    plan = expert._planner.plan
-    monkeypatch.setattr(expert._planner, "plan", lambda at: calls.append(at.step) or plan(at))
+    plan = expert.planner.plan
+    monkeypatch.setattr(expert.planner, "plan", lambda at: calls.append(at.step) or plan(at))
     observation = environment.reset(7)
     expert.reset()
     for _ in range(2 * FOLLOWED_STEPS):

@@ -8,7 +8,6 @@ import pytest
 from sheath_manip.types import Outcome, Transition
 from tasks.composer_environment import ComposerEnvironment
 from tasks.platformer.enemies import Enemy
-from tasks.platformer.entry import PLATFORMER
 from tasks.platformer.features import COLUMNS, ROWS
 from tasks.platformer.figures import frame, whole_stage
 from tasks.platformer.game import RADIUS_M, RUN_M_S, Buttons
@@ -295,20 +294,26 @@ def test_the_own_state_is_told(play):
 
 
 def test_the_pixels_follow_the_player():
-    environment = PLATFORMER.make("pixels")
-    first = environment.reset(3).images["side"]
+    play = Play(Scenario(image_px=84))
+    first = play.environment.reset(3).images["side"]
     assert first.shape == (84, 84, 3)
-    for _ in range(12):
-        transition = environment.step(pressed(RUN))
-    later = transition.observation.images["side"]
+    later = play.press(*[RUN] * 12)[-1].observation.images["side"]
     assert not np.array_equal(first, later)
     # The red ball stays where it was in the picture.
     for image in (first, later):
         red = (image[..., 0] > 120) & (image[..., 1:] < 60).all(axis=2)
         assert np.argwhere(red).mean(axis=0) == pytest.approx((46, 23), abs=3)
-    assert frame(environment, 320, 200).shape == (200, 320, 3)
-    assert whole_stage(environment, 400, strips=2).shape[1:] == (400, 3)
-    environment.close()
+    play.environment.close()
+
+
+def test_pictures_for_figures():
+    play = Play(Scenario())
+    play.environment.reset(3)
+    assert frame(play.environment, 320, 200).shape == (200, 320, 3)
+    strips = whole_stage(play.environment, 400, strips=2)
+    assert strips.shape[1:] == (400, 3)
+    assert strips.std() > 10
+    play.environment.close()
 
 
 def test_viewers_see_the_stage_as_it_is_laid(play):
