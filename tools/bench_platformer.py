@@ -17,7 +17,8 @@ import numpy as np
 
 from sheath_manip.types import Action
 from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.expert import Planner, PlatformerExpert
+from tasks.platformer.expert import PlatformerExpert
+from tasks.platformer.planner import Planner
 from tasks.platformer.stage import LENGTH_TILES
 from tasks.platformer.task import PlatformerTask, Scenario
 from tools.bench import Line, at_least, at_most, cpu_s, run_bench

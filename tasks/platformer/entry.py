@@ -17,6 +17,11 @@ def make(scenario: Scenario) -> ComposerEnvironment:
     return ComposerEnvironment(PlatformerTask(scenario))
 
 
+def make_stage(number: int) -> ComposerEnvironment:
+    """An environment whose episodes are all on the stage of that number."""
+    return make(Scenario(stage=number))
+
+
 # As in the draft: linear policies and a one-class SVM, both on the binary features themselves.
 _FULL = LearningPlan(
     policy="linear-svm",
@@ -32,7 +37,7 @@ PLATFORMER = TaskEntry(
         "default": partial(make, Scenario()),
         # Every seed is a new stage, so the default's are new ones as well.
         "final": partial(make, Scenario()),
-        "one-stage": partial(make, Scenario(stage=0)),
+        "one-stage": partial(make_stage, 0),
         "pixels": partial(make, Scenario(image_px=IMAGE_PX)),
     },
     expert=PlatformerExpert,

@@ -1,7 +1,7 @@
 """What the player knows, as binary features: tile grids of three moments, and its own state.
 
 After the platform game of Ross, Gordon and Bagnell (2011), who give a linear policy the tiles
-around the player in the last frames, whether it is on the ground and may jump, and its last actions.
+around the player in the last frames, whether it stands and may jump, and its last actions.
 """
 
 from collections.abc import Sequence

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import mujoco
 
-from tasks.platformer.enemies import HALF_HEIGHT_M
 from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, Stage
 
 CONTROL_RATE_HZ = 24.0
@@ -17,6 +16,8 @@ TICKS = 4
 """of physics in a control step"""
 GRAVITY_M_S2 = 50.0
 """of the world's file"""
+ACCELERATION_M_S2 = 40.0
+"""at most, on the ground and in the air; of its actuator's force on 1 kg"""
 WALK_M_S, RUN_M_S = 6.0, 10.0
 JUMP_M_S = 20.5
 """4.2 m high and 8.2 m far at a run under the world's gravity, with the button held"""
@@ -121,9 +122,11 @@ class Game:
             self._qvel[1] = -FALL_M_S
         self.moment = moment._replace(held=buttons.jump)
 
-    def tick(self) -> None:
-        """The physics of a control step, where nobody else runs it."""
+    def play(self, buttons: Buttons) -> Moment:
+        """A whole control step, where nobody else runs the physics."""
+        self.press(buttons)
         mujoco.mj_step(self._model, self._data, TICKS)
+        return self.judge()
 
     def judge(self) -> Moment:
         """After the ticks of a control step."""
@@ -134,7 +137,7 @@ class Game:
         step, alive, end = before.step + 1, before.alive, before.end
         if z < 0.0:
             end = End.DEATH
-        for index in self._near[int(x) + LEAD_TILES]:
+        for index in self._near[int(x + LEAD_TILES)]:
             if alive >> index & 1:
                 enemy_x, enemy_z = self._stage.enemies[index].position(step)
                 if abs(x - enemy_x) < _TOUCH_M and abs(z - enemy_z) < _TOUCH_M:
@@ -153,14 +156,13 @@ class Game:
         )  # fmt: skip
         return self.moment
 
-    def enemy_within(self, ahead_m: float) -> bool:
-        """Whether a living enemy is less than `ahead_m` to the right, at the player's height."""
+    def enemy_ahead(self, moment: Moment, within_m: float) -> bool:
+        """Whether a living enemy is less than `within_m` to the right, at the player's height."""
         assert self._stage is not None
-        moment = self.moment
-        for index in self._near[int(moment.x) + LEAD_TILES]:
+        for index in self._near[int(moment.x + LEAD_TILES)]:
             if moment.alive >> index & 1:
                 x, z = self._stage.enemies[index].position(moment.step)
-                if 0 < x - moment.x < ahead_m and abs(z - moment.z) < 1.0:
+                if 0 < x - moment.x < within_m and abs(z - moment.z) < 1.0:
                     return True
         return False
 
@@ -169,11 +171,3 @@ class Game:
             return False
         normals = self._data.contact.frame[:, 2].tolist()
         return any(abs(cosine) > _FLOOR_COSINE for cosine in normals)
-
-
-def enemy_places(stage: Stage, step: int) -> list[tuple[float, float]]:
-    """(x, z) of every enemy at a control step, m."""
-    return [enemy.position(step) for enemy in stage.enemies]
-
-
-assert HALF_HEIGHT_M + RADIUS_M > _TOUCH_M > 0
