@@ -65,15 +65,7 @@ class Sight:
         self._stage = stage
         self._rows = np.arange(ROWS.start, ROWS.stop)
         self._grids: dict[Moment, NDArray[np.float32]] = {}
-        # Enemies of whose stretch some tile can lie in the grid, by the player's column.
-        self._near: list[tuple[int, ...]] = []
-        near: list[list[int]] = [[] for _ in stage.heights]
-        for index, enemy in enumerate(stage.enemies):
-            first = int(enemy.left_m) + LEAD_TILES - COLUMNS.stop
-            last = int(enemy.right_m) + LEAD_TILES - COLUMNS.start
-            for column in near[max(first, 0) : last + 1]:
-                column.append(index)
-        self._near = [tuple(column) for column in near]
+        self._near = stage.enemies_around(-COLUMNS.start, COLUMNS.stop)
 
     def features(self, moment: Moment, past: Sequence[Glimpse]) -> NDArray[np.float32]:
         """(f,) of `moment`, after the last `REMEMBERED` glimpses, the newest last."""
@@ -90,11 +82,9 @@ class Sight:
             return known
         column, row = floor(moment.x), floor(moment.z)
         first = column + LEAD_TILES + COLUMNS.start
-        heights = self._stage.heights[max(first, 0) : first + len(COLUMNS)]
+        heights = self._stage.heights[first : first + len(COLUMNS)]
         grid = np.zeros((2, len(COLUMNS), len(ROWS)), np.float32)
-        # Beyond the left wall all is solid.
-        grid[0, : max(-first, 0)] = 1.0
-        grid[0, max(-first, 0) :] = heights[:, None] > row + self._rows
+        grid[0] = heights[:, None] > row + self._rows
         for index in self._near[column + LEAD_TILES]:
             if moment.alive >> index & 1:
                 x, z = self._stage.enemies[index].position(moment.step)
@@ -116,8 +106,9 @@ def _own(moment: Moment) -> NDArray[np.float32]:
     at += len(_EDGES_VX) + 1
     own[at + int(_EDGES_VZ.searchsorted(moment.vz))] = 1.0
     at += len(_EDGES_VZ) + 1
-    # Of the height, the lower end: it says how far above the ground the player is.
-    for place in (moment.x, moment.z - RADIUS_M):
+    # Of the height, the lower end: it says how far above the ground the player is, which it
+    # stands a millimetre deep in.
+    for place in (moment.x, moment.z - RADIUS_M + 0.01):
         own[at + int(_SUBTILES * (place - floor(place)))] = 1.0
         at += _SUBTILES
     return own

@@ -32,6 +32,8 @@ _TOUCH_M = 0.8
 """between the centres of player and enemy, along each axis"""
 _STOMP_ABOVE_M = 0.4
 """from where, above the enemy's centre, a falling player must have come to stomp it"""
+_NEAR_TILES = 3
+"""in which the rules look for enemies: more than any distance that they ask for"""
 _FLOOR_COSINE = 0.5
 """between a contact's normal and the vertical: steeper ones are walls"""
 
@@ -95,12 +97,7 @@ class Game:
     def begin(self, stage: Stage) -> None:
         """Play on `stage`, whose blocks are laid already."""
         self._stage = stage
-        near: list[list[int]] = [[] for _ in stage.heights]
-        for index, enemy in enumerate(stage.enemies):
-            first, last = int(enemy.left_m) + LEAD_TILES - 2, int(enemy.right_m) + LEAD_TILES + 2
-            for column in near[first : last + 1]:
-                column.append(index)
-        self._near = [tuple(column) for column in near]
+        self._near = stage.enemies_around(_NEAR_TILES, _NEAR_TILES)
 
     def put(self, moment: Moment) -> None:
         """Continue from `moment`."""

@@ -47,6 +47,16 @@ class Stage:
     """the ground in as few boxes as possible: where two meet, their heights differ"""
     enemies: tuple[Enemy, ...]
 
+    def enemies_around(self, behind: int, ahead: int) -> list[tuple[int, ...]]:
+        """For each column, the enemies that may come so many tiles near to a player in it."""
+        around: list[list[int]] = [[] for _ in self.heights]
+        for index, enemy in enumerate(self.enemies):
+            first = int(enemy.left_m) + LEAD_TILES - ahead
+            last = int(enemy.right_m) + LEAD_TILES + behind
+            for column in around[max(first, 0) : last + 1]:
+                column.append(index)
+        return [tuple(column) for column in around]
+
 
 def draw_stage(rng: np.random.Generator, difficulty: int) -> Stage:
     """A stage that a player at full speed can finish; harder ones are denser, never longer."""

@@ -285,6 +285,7 @@ def test_the_own_state_is_told(play):
     assert play.named("on_ground") == {"on_ground": 1.0}
     assert sum(play.named("vx_bucket").values()) == sum(play.named("vz_bucket").values()) == 1.0
     assert play.named("vx_bucket")["vx_bucket_8"] == 1.0
+    assert play.named("z_within")["z_within_tile_0"] == 1.0
     assert play.task.moment.vx == pytest.approx(RUN_M_S, abs=0.01)
     play.press(RUN_AND_JUMP)
     assert play.named("on_ground") == {"on_ground": 0.0}
