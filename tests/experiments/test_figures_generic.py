@@ -99,6 +99,14 @@ def test_without_an_intervention_only_its_pictures_are_missing(summary, tmp_path
     assert not stale.exists()
 
 
+def test_without_a_camera_only_its_pictures_are_missing(summary, tmp_path):
+    store = EpisodeStore.create(tmp_path / "store")
+    info = EpisodeInfo("toy", 0, Purpose.LEARNING, 10.0, "sheath", 1)
+    store.append(episode_of("p" * 20 + "eeee" + "p" * 20, info=info))
+    names = ["burden.png", "film_strip.png", "intervention.gif"]
+    assert write_figures(tmp_path, summary, store, names=names) == [tmp_path / "burden.png"]
+
+
 def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):
     (next(store.path.glob("learning-sheath-*")) / "zarr.json").write_text("{")
     with pytest.raises(StoreError):

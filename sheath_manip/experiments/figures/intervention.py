@@ -73,7 +73,10 @@ def best_intervention(store: EpisodeStore, method: str = "sheath") -> Interventi
             f"{store.path} holds no intervention of {method}; run its rounds first"
         )
     _, episode, start, stop = best
-    return Intervention(store.read(episode_name(episode.info)), start, stop)
+    episode = store.read(episode_name(episode.info))
+    if not episode.final_observation.images:
+        raise NothingToShowError(f"{episode.info.task} was seen by no camera; wanted images")
+    return Intervention(episode, start, stop)
 
 
 def disagreed(episode: Episode) -> NDArray[np.bool_]:
