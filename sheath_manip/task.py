@@ -4,6 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sheath_manip.claims import Claim
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
@@ -28,6 +31,8 @@ class TaskEntry:
     own, such as one stage, and their seeds choose what else may differ"""
     figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
     """figures of this task alone, by name"""
+    picture: Callable[[Any], NDArray[np.uint8]] | None = None
+    """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at"""
     claims: Sequence[Claim] = ()
     """what is claimed of its experiment's results"""
     probes: Probes | None = None

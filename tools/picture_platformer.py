@@ -9,16 +9,12 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from PIL import Image
-
 from tasks.composer_environment import ComposerEnvironment
 from tasks.platformer.expert import PlatformerExpert
-from tasks.platformer.figures import frame, whole_stage
+from tasks.platformer.figures import write_scene
 from tasks.platformer.task import PlatformerTask, Scenario
 
-WIDTH_PX, FRAME_HEIGHT_PX, STRIPS = 1200, 480, 2
-COLOURS = 32
+WIDTH_PX = 1200
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -34,15 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     expert, observation = PlatformerExpert(environment), environment.reset(options.seed)
     for _ in range(options.step):
         observation = environment.step(expert.act(observation)).observation
-    pictures = [
-        frame(environment, WIDTH_PX, FRAME_HEIGHT_PX),
-        np.zeros((4, WIDTH_PX, 3), np.uint8),
-        whole_stage(environment, WIDTH_PX, STRIPS),
-    ]
+    write_scene(environment, options.path, WIDTH_PX)
     environment.close()
-    picture = Image.fromarray(np.concatenate(pictures)).quantize(COLOURS)
-    options.path.parent.mkdir(parents=True, exist_ok=True)
-    picture.save(options.path, optimize=True)
 
 
 if __name__ == "__main__":

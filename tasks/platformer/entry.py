@@ -2,11 +2,17 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.methods import PAPER_BANDWIDTH
 from sheath_manip.plan import LearningPlan
 from sheath_manip.seeding import seed_for
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
+from tasks.platformer.claims import CLAIMS
 from tasks.platformer.expert import PlatformerExpert
 from tasks.platformer.task import PlatformerTask, Scenario
 
@@ -38,6 +44,20 @@ def stage_number(lot: str, run_seed: int) -> int:
 def make_stage_of(lot: str, run_seed: int) -> ComposerEnvironment:
     """An environment on the stage of the training run with that seed."""
     return make_stage(stage_number(lot, run_seed))
+
+
+def scene_figure(*arguments: Any) -> None:
+    """`tasks.platformer.figures.scene`, which imports matplotlib only when it is drawn."""
+    from tasks.platformer.figures import scene
+
+    scene(*arguments)
+
+
+def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
+    """`tasks.platformer.figures.film_frame`, likewise."""
+    from tasks.platformer.figures import film_frame
+
+    return film_frame(environment)
 
 
 # As in the draft: linear policies and a one-class SVM, both on the binary features themselves.
@@ -75,6 +95,19 @@ _FULL = replace(
     held_out=2,
     final=4,
 )
+# For how the support's size changes learning (the draft's section IV-B): the support alone, at its
+# own boundary, with the draft's c.
+_NU = replace(
+    _FULL,
+    methods=("sheath",),
+    signal="support",
+    threshold_rule="boundary",
+    bandwidth_factor=PAPER_BANDWIDTH,
+    bandwidth_unit="dimensions",
+    seeds=(0, 1, 2),
+    rounds=6,
+    final=1,
+)
 
 PLATFORMER = TaskEntry(
     name="platformer",
@@ -104,10 +137,17 @@ PLATFORMER = TaskEntry(
             episodes=4,
             final=50,
         ),
-        # How the support's size changes learning; the draft's section IV-B.
-        "nu": replace(
-            _FULL, methods=("sheath-plain",), seeds=(0, 1, 2), rounds=5, held_out=2, final=1
+        "nu": _NU,
+        "nu-quick": replace(_NU, seeds=(0,), rounds=3),
+        "quick": replace(
+            _FULL,
+            methods=("dagger", "sheath-plain", "sheath"),
+            seeds=(0, 1),
+            rounds=4,
+            final=2,
         ),
-        "quick": replace(_FULL, methods=("dagger", "sheath"), seeds=(0, 1), rounds=3, final=2),
     },
+    figures={"scene.png": scene_figure},
+    picture=picture,
+    claims=CLAIMS,
 )

@@ -1,17 +1,63 @@
 """Pictures of the platformer: a player among the tiles, and a whole stage at a glance."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 from dm_control.mujoco import engine
 from numpy.typing import NDArray
+from PIL import Image
 
+from sheath_manip.checkpoint import Checkpoint
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.figures.intervention import NothingToShowError
+from sheath_manip.experiments.figures.style import WIDTH_PX, limited
+from sheath_manip.types import Purpose
 from tasks.composer_environment import ComposerEnvironment
 from tasks.platformer.stage import LENGTH_TILES
 
 VIEW_HEIGHT_M = 14.0
 """of the overview camera in the world's file"""
+FRAME_HEIGHT_PX, STRIPS = 640, 2
+"""of `scene`"""
+COLOURS = 32
 _MARGIN_M = 4.0
 """before the start and behind the flag"""
+
+
+def film_frame(environment: ComposerEnvironment) -> NDArray[np.uint8]:
+    """(288, 384, 3) RGB for films: 19 tiles, enough to see the gap before the player jumps."""
+    return frame(environment, 384, 288)
+
+
+def scene(
+    store: EpisodeStore, checkpoint: Checkpoint, environment: ComposerEnvironment, path: Path
+) -> None:
+    """The draft's Fig. 2: the middle of the demonstration of the checkpoint's training seed."""
+    demonstrations = store.episodes(
+        Purpose.DEMONSTRATION, run_seed=checkpoint.run_seed, need_images=False
+    )
+    shown = next(iter(demonstrations), None)
+    if shown is None:
+        raise NothingToShowError(
+            f"{store.path} holds no demonstrations of seed {checkpoint.run_seed}; "
+            "collect some first"
+        )
+    environment.reset(shown.info.seed)
+    environment.restore(store.read(episode_name(shown.info)).steps[len(shown) // 2].state)
+    write_scene(environment, path)
+
+
+def write_scene(environment: ComposerEnvironment, path: Path, width_px: int = WIDTH_PX) -> None:
+    """What is around the player now, and below it the whole stage."""
+    pictures = [
+        frame(environment, width_px, FRAME_HEIGHT_PX * width_px // WIDTH_PX),
+        np.zeros((4, width_px, 3), np.uint8),
+        whole_stage(environment, width_px, STRIPS),
+    ]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    limited(Image.fromarray(np.concatenate(pictures)), COLOURS).save(path, optimize=True)
 
 
 def frame(

@@ -3,7 +3,9 @@
 import numpy as np
 
 from sheath_manip.methods import method_named
+from tasks.composer_environment import ComposerEnvironment
 from tasks.platformer.entry import DRAWN, PLATFORMER, make_stage_of, stage_number
+from tasks.platformer.task import PlatformerTask
 
 
 def test_every_run_has_a_stage_of_its_own_and_no_reset_draws_it():
@@ -16,19 +18,24 @@ def test_every_run_has_a_stage_of_its_own_and_no_reset_draws_it():
     assert stage_number("run", 3) == stage_number("run", 3)
 
 
+def heights(environment: ComposerEnvironment) -> np.ndarray:
+    assert isinstance(environment.task, PlatformerTask)
+    return environment.task.stage.heights
+
+
 def test_the_episodes_of_a_run_share_its_stage_and_nothing_else():
     environment = make_stage_of("run", 1)
     stages, states = [], []
     for seed in (5, 6):
         environment.reset(seed)
-        stages.append(environment.task.stage.heights)
+        stages.append(heights(environment))
         states.append(environment.state())
     environment.close()
     np.testing.assert_array_equal(*stages)
     assert not np.array_equal(*states)
     other = make_stage_of("run", 2)
     other.reset(5)
-    assert not np.array_equal(other.task.stage.heights, stages[0])
+    assert not np.array_equal(heights(other), stages[0])
     other.close()
 
 
