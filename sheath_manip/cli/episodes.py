@@ -20,9 +20,9 @@ from sheath_manip.types import EpisodeInfo
 
 
 @contextmanager
-def opened(task: TaskEntry, variant: str) -> Iterator[Environment]:
-    """An environment of the task, closed at the end."""
-    environment = task.make(variant)
+def opened(task: TaskEntry, variant: str, run_seed: int = 0) -> Iterator[Environment]:
+    """An environment of the task, closed at the end; of a run's own scene that of `run_seed`."""
+    environment = task.make_for_run(variant, run_seed)
     try:
         yield environment
     finally:
