@@ -17,7 +17,8 @@ from sheath_manip.experiments.figures import FIGURES, write_figures
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.resuming import require_same_plan
-from sheath_manip.experiments.summary import summarise, table
+from sheath_manip.experiments.summary import summarise
+from sheath_manip.experiments.table import table
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.methods import method_named
 from sheath_manip.metrics import record_of

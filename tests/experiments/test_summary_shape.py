@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sheath_manip.experiments.summary import git_revision, seeds_shown, summarise, table
+from sheath_manip.experiments.summary import git_revision, summarise
+from sheath_manip.experiments.table import seeds_shown, table
 from sheath_manip.metrics import mean_interval
 from sheath_manip.plan import LearningPlan
 from sheath_manip.results import write_json

@@ -24,7 +24,7 @@ from sheath_manip.experiments.gates.rows import EXPERT, POLICY, RANDOM
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.summary import offline_of
 from sheath_manip.experiments.gates.table import by_costly_mistakes
-from sheath_manip.experiments.summary import seeds_shown
+from sheath_manip.experiments.table import seeds_shown
 
 SHARES_SHOWN = 0.6
 """of the steps; beyond it the expert drives, and nothing fails"""

@@ -12,8 +12,9 @@ from rich.table import Table
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.nu.plan import METHOD, NuPlan
-from sheath_manip.experiments.summary import git_revision, seeds_shown
+from sheath_manip.experiments.summary import git_revision
 from sheath_manip.experiments.summary import summarise as summarise_learning
+from sheath_manip.experiments.table import seeds_shown, with_interval
 from sheath_manip.metrics import record_of
 from sheath_manip.plan import LearningPlan
 from sheath_manip.results import EXPERT, plain, round_results
@@ -107,16 +108,11 @@ def _table(task: str, found: Mapping[str, Any]) -> Table:
             *(f"{100 * share:.1f}" for share in (first["xi"], last["xi"], row["outside"])),
             f"{100 * row['overall']['failure_rate']:.1f}",
             _number(row["overall"], found["metric"]),
-            _with_interval(row["area"]["policy"]["mean"], row["area"]["policy"]["ci95"]),
+            with_interval(row["area"]["policy"]["mean"], row["area"]["policy"]["ci95"]),
             _number(last["policy"], found["metric"]),
         )
     return grid
 
 
 def _number(figures: Mapping[str, Any], metric: str) -> str:
-    return _with_interval(figures["metric"][metric], figures["ci95"][metric])
-
-
-def _with_interval(mean: float, ci95: Sequence[float]) -> str:
-    digits = 2 if abs(mean) < 100 else 1
-    return f"{mean:.{digits}f}\n[dim]±{(ci95[1] - ci95[0]) / 2:.{digits}f}[/dim]"
+    return with_interval(figures["metric"][metric], figures["ci95"][metric])
