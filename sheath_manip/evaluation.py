@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from sheath_manip.checkpoint import Checkpoint
-from sheath_manip.gates.constant import AlwaysPolicy
+from sheath_manip.gates import AlwaysPolicy, redrawing
 from sheath_manip.metrics import EpisodeRecord, record_of
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout import rollout
@@ -33,7 +33,11 @@ def evaluate_policy(
             index=index,
         )
         episode = rollout(
-            environment, info, AlwaysPolicy(), rng=generator("none"), policy=checkpoint.policy
+            environment,
+            info,
+            redrawing(AlwaysPolicy(), checkpoint.policy),
+            rng=generator("alone", seed),
+            policy=checkpoint.policy,
         )
         records.append(record_of(episode))
         report(f"{checkpoint.method} alone")

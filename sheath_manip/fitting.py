@@ -1,13 +1,18 @@
 """From a fitted policy to its gate: signal and threshold."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Agreement, Policy, Signal
 from sheath_manip.signals import make_signal, planned_signal
-from sheath_manip.support.calibration import or_nothing_inside, threshold_rule
+from sheath_manip.support.calibration import (
+    held_out_threshold,
+    or_nothing_inside,
+    threshold_rule,
+)
 
 
 def fit_gate(
@@ -36,29 +41,44 @@ def fit_gate(
         run_seed: of the training run.
         agreement: for supports that ask where the policy is right.
         previous: of the round before, whose threshold stays where the plan calibrates only once.
-        visited: states of the last round's episodes, for a budget; where there are none yet, the
-            calibration episodes stand in.
+        visited: all states of the last round's episodes, for a budget; where there are none yet,
+            the calibration episodes stand in.
         signal: unfitted, of the plan's choice; made anew where it is not given.
     """
     choice = planned_signal(plan)
     signal = make_signal(choice) if signal is None else signal
     signal.fit(policy, states, agreement).calibrate(calibration)
-    if previous is not None and not plan.recalibrate:
-        threshold = previous.threshold
-    else:
-        held_out = [signal.scores(episode.images, episode.features) for episode in calibration]
-        met = held_out if visited is None else [signal.scores(visited.images, visited.features)]
-        rule = threshold_rule(plan.threshold_rule)
-        threshold = or_nothing_inside(lambda: rule(held_out, met, plan))
-    return Checkpoint(
+    fitted = Checkpoint(
         task=task,
         policy_name=plan.policy,
         policy=policy,
         signal_choice=choice,
         signal=signal,
-        threshold=threshold,
+        threshold=float("nan") if previous is None else previous.threshold,
+        release_margin=0.0 if previous is None else previous.release_margin,
         false_alarm_rate=plan.false_alarm_rate,
         method="",
         round=0,
         run_seed=run_seed,
     )
+    if previous is not None and not plan.recalibrate:
+        return fitted
+    return calibrated(fitted, calibration, plan, visited)
+
+
+def calibrated(
+    checkpoint: Checkpoint,
+    calibration: Sequence[Samples],
+    plan: LearningPlan,
+    visited: Samples | None = None,
+) -> Checkpoint:
+    """`checkpoint` with its threshold, and how far above it the expert hands back, by the plan."""
+    held_out = [checkpoint.scores(episode) for episode in calibration]
+    met = held_out if visited is None else [checkpoint.scores(visited)]
+    rule = threshold_rule(plan.threshold_rule)
+    threshold = or_nothing_inside(lambda: rule(held_out, met, plan))
+    margin = 0.0
+    if plan.release_rate > 0:
+        release = or_nothing_inside(lambda: held_out_threshold(held_out, plan.release_rate))
+        margin = max(0.0, release - threshold)
+    return replace(checkpoint, threshold=threshold, release_margin=margin)

@@ -38,9 +38,10 @@ class RoundResult:
     false_alarm_rate: float
     """share of the steps of new expert episodes that lie below the threshold"""
     missed_rate: float
-    """of the steps at which the policy's action was not the expert's, the share it acted in"""
+    """of the labelled steps at which the policy's action was not the expert's, the share it acted
+    in"""
     surrogate_loss: float
-    """of the policy that drove, over the states visited"""
+    """of the policy that drove, over the labelled states visited; NaN where there is none"""
     bound: Bound
     threshold: float
     states: int

@@ -4,6 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sheath_manip.claims import Claim
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
@@ -23,8 +26,13 @@ class TaskEntry:
     """from the environment, since an expert may look at the physics"""
     plans: Mapping[str, LearningPlan]
     """`full` and `quick`"""
+    run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
+    """by name, from the seed of a training run: all its episodes belong to one scene of the run's
+    own, such as one stage, and their seeds choose what else may differ"""
     figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
     """figures of this task alone, by name"""
+    picture: Callable[[Any], NDArray[np.uint8]] | None = None
+    """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at"""
     claims: Sequence[Claim] = ()
     """what is claimed of its experiment's results"""
     probes: Probes | None = None
@@ -35,3 +43,12 @@ class TaskEntry:
         if variant not in self.variants:
             raise UnknownNameError(f"variant of {self.name}", variant, self.variants)
         return self.variants[variant]()
+
+    def make_for_run(self, variant: str, run_seed: int) -> Environment:
+        """A new environment for the training run of that seed; raises UnknownNameError."""
+        if variant in self.run_variants:
+            return self.run_variants[variant](run_seed)
+        if variant not in self.variants:
+            known = (*self.variants, *self.run_variants)
+            raise UnknownNameError(f"variant of {self.name}", variant, known)
+        return self.make(variant)

@@ -22,10 +22,11 @@ class Bound:
     """epsilon_N: mean surrogate loss, over all aggregated states, of the policy fitted to them.
     It stands for the best policy in hindsight, to which the fit is an upper bound."""
     xi: float
-    """share of the steps visited in the round that lie outside the support estimated before it"""
+    """share of ALL steps visited in the round that lie outside the support estimated before it"""
     measured: float
-    """J: T times the mean surrogate loss, over the states visited in the round, of the policy that
-    drove it"""
+    """J: T times the mean surrogate loss, over the labelled states visited in the round, of the
+    policy that drove it; NaN where there is none. Where labels were asked for in some states only,
+    it says nothing about the others."""
 
     @property
     def value(self) -> float:
@@ -47,13 +48,14 @@ def measure(
 ) -> Bound:
     """The bound of one round.
 
-    `scores` and `losses` are (n,) over the labelled states of `episodes`: support score and
-    surrogate loss of the policy that drove them. A score that is not a number counts as outside.
+    `scores` are (n,) the support scores of all states of `episodes`, `losses` (m <= n,) the
+    surrogate losses, over the labelled ones, of the policy that drove them. A score that is not a
+    number counts as outside.
     """
     horizon = float(np.mean([len(episode) for episode in episodes]))
     return Bound(
         horizon=horizon,
         epsilon=epsilon,
         xi=float(np.mean(~(scores >= threshold))),
-        measured=horizon * float(np.mean(losses)),
+        measured=horizon * float(np.mean(losses)) if len(losses) else float("nan"),
     )

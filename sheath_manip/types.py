@@ -32,8 +32,10 @@ class Reason(StrEnum):
     OUTSIDE = "outside support"
     HOLD = "held by hysteresis"
     """inside again, but not yet far or long enough to hand back"""
+    PERSON = "person"
+    """a person said so"""
     NO_SCORE = "no score"
-    """the score is missing or not a number: the expert acts"""
+    """the score is missing or not a number: as outside"""
     INVALID_PROPOSAL = "invalid proposal"
     """the policy proposed an action that is no action: the expert acts"""
 

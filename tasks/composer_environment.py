@@ -39,6 +39,9 @@ class SheathTask(composer.Task):
     """
 
     spec: TaskSpec
+    legacy_step: bool = True
+    """composer's own: kinematics and contacts are up to date after each physics substep, at the
+    price of half of another one"""
 
     @abstractmethod
     def outcome(self) -> Outcome:
@@ -79,6 +82,7 @@ class ComposerEnvironment:
             random_state=0,
             strip_singleton_obs_buffer_dim=True,
             recompile_mjcf_every_episode=False,
+            legacy_step=task.legacy_step,
         )
         self._steps = 0
 

@@ -2,7 +2,9 @@
 
 from sheath_manip.task import TaskEntry
 from tasks.driving.entry import DRIVING
+from tasks.platformer.entry import PLATFORMER
 
 TASKS: dict[str, TaskEntry] = {
     "driving": DRIVING,
+    "platformer": PLATFORMER,
 }

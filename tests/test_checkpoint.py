@@ -7,7 +7,9 @@ import pytest
 
 from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.exceptions import CheckpointError
+from sheath_manip.policies import make_policy
 from sheath_manip.signals import SignalChoice, make_signal
+from tests import buttons
 from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
 
 CHOICE = asdict(SignalChoice("support", "pixels", "one-class-svm", "pixels"))
@@ -93,6 +95,24 @@ def test_the_digest_is_that_of_the_content(checkpoint, path, tmp_path):
     assert digest(other) != digest(path)
     with pytest.raises(CheckpointError, match="cannot read"):
         digest(tmp_path / "missing.npz")
+
+
+def test_binary_features_take_a_tenth_of_their_bytes(checkpoint, tmp_path):
+    states = buttons.button_samples(2000, seed=0)
+    policy = make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(states)
+    choice = SignalChoice("joined", "features", "one-class-svm", "features", {"nu": 0.5})
+    saved = replace(
+        checkpoint,
+        task=buttons.SPEC.name,
+        policy_name="linear-svm",
+        policy=policy,
+        signal_choice=choice,
+        signal=make_signal(choice).fit(policy, states).calibrate([states]),
+    )
+    path = saved.save(tmp_path / "round.npz")
+    assert path.stat().st_size < 0.1 * states.features.nbytes
+    loaded = load_checkpoint(path, buttons.SPEC)
+    np.testing.assert_array_equal(loaded.scores(states), saved.scores(states))
 
 
 def test_a_save_that_fails_leaves_the_old_file_and_no_litter(checkpoint, path, monkeypatch):

@@ -7,15 +7,12 @@ other processes matter little; both sides of a ratio take turns within one run, 
 their medians. --quick takes other sizes, to see that it runs.
 """
 
-import argparse
-import json
 import multiprocessing
 import resource
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +20,7 @@ from sklearn.svm import OneClassSVM
 
 from sheath_manip.support import OneClassSupport
 from sheath_manip.threads import single_threaded
+from tools.bench import Line, at_least, at_most, cpu_s, medians, run_bench
 
 NU = 0.1
 SCORE_DIMENSIONS, FIT_DIMENSIONS, MANIFOLD_DIMENSIONS = 128, 64, 6
@@ -47,27 +45,6 @@ class Sizes:
 QUICK = Sizes((200, 500), score_rounds=3, calls=5, points=5_200, fit_rounds=1, many_points=5_500)
 
 
-@dataclass(frozen=True)
-class Line:
-    """One measured number and what it is to be."""
-
-    value: float
-    unit: str
-    goal: str
-    holds: bool
-    how: str
-
-
-def at_least(value: float, bound: float, unit: str, how: str) -> Line:
-    """A line whose goal is a least value."""
-    return Line(float(value), unit, f">= {bound:g}", bool(value >= bound), how)
-
-
-def at_most(value: float, bound: float, unit: str, how: str) -> Line:
-    """A line whose goal is a greatest value."""
-    return Line(float(value), unit, f"<= {bound:g}", bool(value <= bound), how)
-
-
 def manifold(rng: np.random.Generator, count: int, width: int) -> NDArray[np.float64]:
     """(count, width) points near a bent manifold of few dimensions, as a policy's embedding is."""
     bend = np.random.default_rng(1).normal(size=(MANIFOLD_DIMENSIONS, width))
@@ -78,21 +55,6 @@ def manifold(rng: np.random.Generator, count: int, width: int) -> NDArray[np.flo
 def isotropic(rng: np.random.Generator, count: int, width: int) -> NDArray[np.float64]:
     """(count, width) normal points."""
     return rng.normal(size=(count, width))
-
-
-def medians(
-    theirs: Callable[[], object], ours: Callable[[], object], rounds: int, calls: int = 1
-) -> list[float]:
-    """The median CPU seconds of a call of each side, which take turns."""
-    sides = theirs, ours
-    times: list[list[float]] = [[] for _ in sides]
-    for _ in range(rounds):
-        for side, spent in zip(sides, times, strict=True):
-            start = time.process_time()
-            for _ in range(calls):
-                side()
-            spent.append((time.process_time() - start) / calls)
-    return [float(np.median(spent)) for spent in times]
 
 
 def reference(points: NDArray, nu: float, c: float) -> OneClassSVM:
@@ -174,9 +136,7 @@ def fit_lines(sizes: Sizes) -> dict[str, Line]:
         for _ in range(2 * sizes.fit_rounds):
             before = OneClassSupport(NU).fit(points)
             for spent, fit in ((cold, OneClassSupport(NU).fit), (warm, before.refit)):
-                start = time.process_time()
-                fit(more)
-                spent.append(time.process_time() - start)
+                spent.append(cpu_s(partial(fit, more)))
         how = f"{np.median(warm):.2f} CPU s against {np.median(cold):.2f}, in turns, a fifth more"
         ratio = np.median(warm) / np.median(cold)
         lines[f"refit {name}"] = at_most(ratio, 1, "of a cold fit's CPU time", how)
@@ -187,9 +147,7 @@ def large_fit(count: int) -> tuple[float, float]:
     """CPU seconds of one fit and the GiB that its process held at most, the points included."""
     points = manifold(np.random.default_rng(3), count, FIT_DIMENSIONS)
     with single_threaded():
-        start = time.process_time()
-        OneClassSupport(NU).fit(points)
-        spent = time.process_time() - start
+        spent = cpu_s(lambda: OneClassSupport(NU).fit(points))
     # Linux counts KiB.
     return spent, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
@@ -208,27 +166,8 @@ def large_lines(sizes: Sizes) -> dict[str, Line]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print a line a number, write the file."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="other sizes, a few seconds")
-    parser.add_argument(
-        "--results", type=Path, default=Path("results"), help="directory to write to"
-    )
-    options = parser.parse_args(arguments)
-    sizes = QUICK if options.quick else Sizes()
-    found: dict[str, Line] = {}
-    for measure in (score_lines, fit_lines, large_lines):
-        with single_threaded():
-            lines = measure(sizes)
-        for name, line in lines.items():
-            mark = "yes" if line.holds else "NO"
-            print(
-                f"{name:40} {line.value:8.4g} {line.unit:26} {line.goal:9} {mark:3} {line.how}",
-                flush=True,
-            )
-        found |= lines
-    options.results.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({name: asdict(line) for name, line in found.items()}, indent=2)
-    (options.results / "bench-gate.json").write_text(text + "\n")
+    measures = score_lines, fit_lines, large_lines
+    run_bench("gate", __doc__, measures, Sizes(), QUICK, arguments)
 
 
 if __name__ == "__main__":

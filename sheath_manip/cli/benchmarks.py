@@ -49,4 +49,29 @@ def gates(asked: Asked, session: Session) -> None:
     )
 
 
-BENCHMARKS: dict[str, Callable[[Asked, Session], None]] = {"gates": gates}
+def nu(asked: Asked, session: Session) -> None:
+    """Learning by the size of the support, on every task that has a plan for it."""
+    tasks = session.tasks().values()
+    # Only now: torch takes seconds to import.
+    from sheath_manip.experiments.nu.benchmark import run_nu
+    from sheath_manip.experiments.nu.plan import PLANS
+
+    if asked.size not in PLANS:
+        raise UnknownNameError("plan of nu", asked.size, PLANS)
+    plan = PLANS[asked.size]
+    if asked.seeds is not None:
+        plan = replace(plan, seeds=asked.seeds)
+    if asked.fresh:
+        move_aside(asked.runs, session)
+    run_nu(
+        tasks,
+        plan,
+        runs=asked.runs,
+        results=asked.results,
+        command=session.command,
+        workers=asked.workers,
+        console=session.out,
+    )
+
+
+BENCHMARKS: dict[str, Callable[[Asked, Session], None]] = {"gates": gates, "nu": nu}

@@ -10,6 +10,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.gates import redrawing
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, record_of
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
 from sheath_manip.rollout import rollout
@@ -19,9 +20,9 @@ from sheath_manip.types import EpisodeInfo
 
 
 @contextmanager
-def opened(task: TaskEntry, variant: str) -> Iterator[Environment]:
-    """An environment of the task, closed at the end."""
-    environment = task.make(variant)
+def opened(task: TaskEntry, variant: str, run_seed: int = 0) -> Iterator[Environment]:
+    """An environment of the task, closed at the end; of a run's own scene that of `run_seed`."""
+    environment = task.make_for_run(variant, run_seed)
     try:
         yield environment
     finally:
@@ -48,7 +49,7 @@ def run_all(
             episode = rollout(
                 environment,
                 info,
-                gate,
+                redrawing(gate, policy),
                 rng=generator("gate", info.method, info.run_seed, info.round, info.index),
                 policy=policy,
                 expert=expert,

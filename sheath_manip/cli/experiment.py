@@ -23,13 +23,14 @@ OF_LEARNING = ("rounds", "methods", "figures", "dashboard", "hold")
 class Experiment:
     """Compare the methods on a task: demonstrations, rounds, held-out scenes, table and figures.
 
-    The experiment `gates` compares gates instead, on all tasks that have probes.
+    The experiment `gates` compares gates instead, on all tasks that have probes, and `nu` the sizes
+    of the support, on all tasks that have a plan for it.
 
     Stopped anywhere and called again, it goes on where it was.
     """
 
     task: TaskName
-    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates`"""
+    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates` or `nu`"""
     plan: str = "full"
     """the settings, as `sheath tasks` lists them; each keeps apart from the full one"""
     quick: bool = False

@@ -63,10 +63,10 @@ def _described(task: TaskEntry) -> Table:
         {
             "summary": task.summary,
             "rate": f"{spec.control_rate_hz:g} Hz, at most {spec.max_steps} steps an episode",
-            "cameras": ", ".join(cameras),
+            "cameras": ", ".join(cameras) or "none",
             "actions": _actions(spec.action),
             "judged by": spec.metric,
-            "variants": ", ".join(task.variants),
+            "variants": ", ".join((*task.variants, *task.run_variants)),
             "plans": ", ".join(task.plans),
         },
     )

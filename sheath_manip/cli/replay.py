@@ -23,7 +23,7 @@ class Replay:
     speed: float = 1.0
     """1 is the episode's control rate, 2 twice as fast"""
     variant: str = "default"
-    """of the task that it was recorded in"""
+    """of the task that it was recorded in, such as the `variant` of an experiment's plan"""
     once: bool = False
     """end after the first time"""
     address: Address = field(default_factory=Address)
@@ -42,7 +42,7 @@ class Replay:
         from sheath_manip.dashboard import replay
 
         with (
-            opened(task, self.variant) as environment,
+            opened(task, self.variant, episode.info.run_seed) as environment,
             self.address.dashboard(environment.spec, session) as page,
             suppress(KeyboardInterrupt),
         ):

@@ -72,7 +72,11 @@ class Run:
                         infos,
                         AlwaysPolicy()
                         if alone
-                        else SupportGate(checkpoint.score, checkpoint.threshold),
+                        else SupportGate(
+                            checkpoint.score,
+                            checkpoint.threshold,
+                            release_margin=checkpoint.release_margin,
+                        ),
                         policy=checkpoint.policy,
                         expert=None if alone else task.expert(environment),
                         store=EpisodeStore.create(self.store) if self.store else None,

@@ -25,6 +25,7 @@ PLANNED = (
     "support",
     "nu",
     "bandwidth_factor",
+    "bandwidth_unit",
     "precedent_embedding",
     "threshold_rule",
     "false_alarm_rate",
@@ -59,11 +60,14 @@ class Train:
     nu: float | None = None
     """0 .. 1, bound on the share of training states outside the support"""
     bandwidth_factor: float | None = None
-    """c of the RBF exp(-|x-y|²/c), in units of the median squared distance"""
+    """c of the RBF exp(-|x-y|²/c), in the unit below"""
+    bandwidth_unit: str | None = None
+    """median (of the squared distances between training states) or dimensions (the number of
+    features)"""
     precedent_embedding: str | None = None
     """name; in what of the policy precedents of its action are looked for"""
     threshold_rule: str | None = None
-    """steps, episodes or budget: what the threshold keeps to"""
+    """steps, episodes, budget or boundary: what the threshold keeps to"""
     false_alarm_rate: float | None = None
     """0 .. 1, share of new expert steps (or episodes) at which the gate may call the expert
     needlessly"""
@@ -93,7 +97,7 @@ class Train:
             spec = environment.spec
 
         def fresh_policy() -> "Policy":
-            return make_policy(plan.policy, spec, seed=self.seed)
+            return make_policy(plan.policy, spec, seed=self.seed, **plan.policy_settings)
 
         # Before the fit, which takes its time, so that a wrong name is told at once.
         policy = fresh_policy()

@@ -1,25 +1,25 @@
 """Labelled states for training, held in RAM."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.types import Episode
+from sheath_manip.types import Episode, Step
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """n labelled states of one or more episodes."""
+    """n states of one or more episodes, labelled where nothing else is said."""
 
     images: Mapping[str, NDArray[np.uint8]]
     """(n, h, w, 3) RGB by camera"""
     features: NDArray[np.float32]
     """(n, f)"""
     labels: NDArray[np.float32]
-    """(n, a) the expert's actions"""
+    """(n, a) the expert's actions; NaN for a state without a label"""
     episodes: NDArray[np.int64]
     """(n,) which episode each state is from, for splits by episode"""
 
@@ -35,27 +35,48 @@ class Samples:
             self.episodes[indices],
         )
 
+    @property
+    def is_labelled(self) -> NDArray[np.bool_]:
+        """(n,) which states have a label."""
+        return np.isfinite(self.labels[:, 0])
+
+    def labelled(self) -> "Samples":
+        """The states with a label."""
+        has = self.is_labelled
+        return self if has.all() else self.take(has)
+
 
 def samples_from(episodes: Iterable[Episode]) -> Samples:
     """All labelled states of `episodes`; raises ParameterError where there is none."""
-    steps = [
-        (number, step)
-        for number, episode in enumerate(episodes)
-        for step in episode.steps
-        if step.labelled is not None
-    ]
+    steps = [(number, step) for number, step in _numbered(episodes) if step.labelled is not None]
     if not steps:
         raise ParameterError(
             "no labelled state to train on; record episodes whose gate asks for labels"
         )
+    return _samples(steps)
+
+
+def visited_from(episodes: Iterable[Episode]) -> Samples:
+    """All states of `episodes`, also those that nobody labelled."""
+    return _samples(list(_numbered(episodes)))
+
+
+def _numbered(episodes: Iterable[Episode]) -> Iterator[tuple[int, Step]]:
+    for number, episode in enumerate(episodes):
+        for step in episode.steps:
+            yield number, step
+
+
+def _samples(steps: Sequence[tuple[int, Step]]) -> Samples:
     cameras = steps[0][1].observation.images
+    missing = np.full_like(steps[0][1].executed, np.nan)
     return Samples(
         {
             camera: np.stack([step.observation.images[camera] for _, step in steps])
             for camera in cameras
         },
         np.stack([step.observation.features for _, step in steps]).astype(np.float32),
-        np.stack([step.labelled for _, step in steps if step.labelled is not None]),
+        np.stack([missing if step.labelled is None else step.labelled for _, step in steps]),
         np.array([number for number, _ in steps], dtype=np.int64),
     )
 

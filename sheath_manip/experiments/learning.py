@@ -14,9 +14,11 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.evaluation import Report
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.figures import FIGURES, write_figures
+from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.resuming import require_same_plan
-from sheath_manip.experiments.summary import summarise, table
+from sheath_manip.experiments.summary import summarise
+from sheath_manip.experiments.table import table
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.methods import method_named
 from sheath_manip.metrics import record_of
@@ -133,7 +135,7 @@ def _figures(
     store = EpisodeStore(runs / "store")
     shown = "sheath" if "sheath" in plan.methods else plan.methods[0]
     last = round_results(runs, plan.seeds[0], shown)[-1]
-    environment = task.make()
+    environment = task.make_for_run(plan.variant, last.run_seed)
     try:
         path = round_path(runs, last.run_seed, last.method, last.round, "npz")
         checkpoint = load_checkpoint(path, environment.spec)
@@ -141,6 +143,7 @@ def _figures(
             name: partial(draw, store, checkpoint, environment)
             for name, draw in task.figures.items()
         }
-        return write_figures(results, summary, store, own, names)
+        pictures = pictures_of(task, plan.variant)
+        return write_figures(results, summary, store, own, names, pictures)
     finally:
         environment.close()

@@ -1,4 +1,4 @@
-"""An experiment as one JSON document and one table: what every method did, with intervals."""
+"""An experiment as one JSON document: what every method did, with intervals."""
 
 import dataclasses
 import math
@@ -8,14 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich import box
-from rich.table import Table
 
-from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
+from sheath_manip.experiments.areas import areas
+from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, mean_interval
 from sheath_manip.plan import LearningPlan
 from sheath_manip.results import RoundResult, plain
 
 ROOT = Path(__file__).resolve().parents[2]
+MANY_RUNS = 10
+"""training runs from which on a metric's interval is over their means: the episodes of a run
+resemble each other, but of a few runs an interval says nothing"""
 
 
 def summarise(
@@ -39,6 +41,10 @@ def summarise(
         metric: `TaskSpec.metric`; the first one of the expert's episodes where it is not given.
     """
     expert = _figures(expert_records)
+    metric = metric or next(iter(expert["metric"]), None)
+    by_method = {name: _method(rounds) for name, rounds in results.items()}
+    for name, area in areas(results, metric).items() if metric else ():
+        by_method[name]["area"] = area
     return plain(
         {
             "experiment": task_name,
@@ -47,9 +53,9 @@ def summarise(
             "seeds": plan.seeds,
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
-            "metric": metric or next(iter(expert["metric"]), None),
+            "metric": metric,
             "expert": expert,
-            "methods": {name: _method(rounds) for name, rounds in results.items()},
+            "methods": by_method,
         }
     )
 
@@ -72,43 +78,6 @@ def git_revision(root: Path = ROOT) -> str | None:
     return f"{revision}-dirty" if changed else revision
 
 
-def table(summary: Mapping[str, Any]) -> Table:
-    """One row a method, below each figure its 95 % interval; fits a terminal of 80 columns."""
-    metric = summary["metric"]
-    grid = Table(
-        title=f"{summary['experiment']}: training seeds {', '.join(map(str, summary['seeds']))}",
-        caption="executed: what ran in all rounds, the policy under its gate · alone: the last "
-        "policy without gate, on held-out scenes · final: the same on the final variant · "
-        "[not dim]dim[/not dim]: 95 % interval",
-        title_justify="left",
-        caption_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=0,
-    )
-    grid.add_column("\n\nmethod")
-    executed = ("executed\nfailed\n%", f"executed\n{metric}")
-    burden = ("expert\nshare\n%", "queries\na seed", "false\nalarms\n%", "switches\nepisode")
-    for header in (*executed, *burden, "alone\nfailed\n%", f"alone\n{metric}", f"final\n{metric}"):
-        grid.add_column(header, justify="right", vertical="top")
-    expert = summary["expert"]
-    grid.add_row("expert", _rate(expert), _mean(expert, metric), end_section=True)
-    for name, method in summary["methods"].items():
-        overall, last = method["overall"], method["rounds"][-1]
-        grid.add_row(
-            name.replace("-", "-\n", 1),
-            _rate(overall),
-            _mean(overall, metric),
-            _percent(overall["expert_share"]),
-            _number(overall["queries"], ",.0f"),
-            _percent(overall["false_alarm_rate"]),
-            _number(overall["switches_per_episode"], ".1f"),
-            _rate(last["policy"]),
-            _mean(last["policy"], metric),
-            _mean(method["final"], metric),
-        )
-    return grid
-
-
 def _method(results: Sequence[RoundResult]) -> dict[str, Any]:
     numbers = sorted({result.round for result in results})
     learning = [result for result in results if result.round > 0]
@@ -118,8 +87,8 @@ def _method(results: Sequence[RoundResult]) -> dict[str, Any]:
             for number in numbers
         ],
         # Over rounds 1 and up and all seeds; queries are a training run's total.
-        "overall": {**_figures(_episodes(learning, "executed")), **_burden(learning)},
-        "final": _figures(_episodes(results, "final")),
+        "overall": {**_of_runs(learning, "executed"), **_burden(learning)},
+        "final": _of_runs(results, "final"),
     }
 
 
@@ -128,8 +97,8 @@ def _round(results: Sequence[RoundResult]) -> dict[str, Any]:
     bounds = [result.bound for result in results]
     return {
         "runs": len(results),
-        "executed": _figures(_episodes(results, "executed")),
-        "policy": _figures(_episodes(results, "policy")),
+        "executed": _of_runs(results, "executed"),
+        "policy": _of_runs(results, "policy"),
         **_burden(results),
         "missed_rate": _average(result.missed_rate for result in results),
         "surrogate_loss": _average(result.surrogate_loss for result in results),
@@ -163,28 +132,23 @@ def _figures(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
     return dataclasses.asdict(figures_of(records))
 
 
+def _of_runs(results: Sequence[RoundResult], field: str) -> dict[str, Any]:
+    """Figures of the episodes in `field`; of many runs, metrics' intervals are over the runs."""
+    figures = _figures(_episodes(results, field))
+    by_run: dict[int, list[EpisodeRecord]] = {}
+    for result in results:
+        by_run.setdefault(result.run_seed, []).extend(getattr(result, field))
+    runs = [records for records in by_run.values() if records]
+    if len(runs) < MANY_RUNS:
+        return figures
+    for name in figures["metric"]:
+        means = [np.mean([record.metrics[name] for record in records]) for records in runs]
+        figures["ci95"][name] = mean_interval(np.array(means))
+    return figures
+
+
 def _average(values: Any) -> float:
+    """The mean of those that are numbers: in a round without labels some measures are none."""
     array = np.array(list(values), dtype=float)
+    array = array[~np.isnan(array)]
     return float(array.mean()) if array.size else math.nan
-
-
-def _rate(figures: Mapping[str, Any]) -> str:
-    if figures["failure_rate"] is None:
-        return "–"
-    low, high = figures["ci95"]["failure_rate"]
-    return f"{_percent(figures['failure_rate'])}\n[dim]{100 * low:.0f}–{100 * high:.0f}[/dim]"
-
-
-def _mean(figures: Mapping[str, Any], metric: str | None) -> str:
-    if metric not in figures["metric"]:
-        return "–"
-    low, high = figures["ci95"][metric]
-    return f"{figures['metric'][metric]:.2f}\n[dim]±{(high - low) / 2:.2f}[/dim]"
-
-
-def _percent(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:.1f}"
-
-
-def _number(value: float | None, form: str) -> str:
-    return "–" if value is None else format(value, form)

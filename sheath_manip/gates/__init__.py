@@ -1,8 +1,21 @@
 """Gates: who acts at each step, and which states get the expert's label."""
 
 from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
+from sheath_manip.gates.human import HumanGate, ScriptedPerson
 from sheath_manip.gates.mixture import Mixture
+from sheath_manip.gates.query import QueryFilter
+from sheath_manip.gates.redrawing import redrawing
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.gates.takeover import RandomTakeover
 
-__all__ = ["AlwaysExpert", "AlwaysPolicy", "Mixture", "RandomTakeover", "SupportGate"]
+__all__ = [
+    "AlwaysExpert",
+    "AlwaysPolicy",
+    "HumanGate",
+    "Mixture",
+    "QueryFilter",
+    "RandomTakeover",
+    "ScriptedPerson",
+    "SupportGate",
+    "redrawing",
+]

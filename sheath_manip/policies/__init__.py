@@ -14,10 +14,13 @@ from sheath_manip.policies.convolutional_embeddings import (
     RandomConvolutions,
     TwoScaleConvolutions,
 )
+from sheath_manip.policies.features import Features
 from sheath_manip.policies.hog_svm import HogSvm
+from sheath_manip.policies.linear_svm import LinearSvm
 from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
+from sheath_manip.policies.smile import SmileMixture
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
 
@@ -29,6 +32,10 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "plain-cnn": _plain_policy,
     "paper-cnn": partial(_plain_policy, channels=(16,)),
     "hog-svm": HogSvm,
+    "linear-svm": LinearSvm,
+    # Ross et al. 2011 and the draft.
+    "linear-svm-paper": partial(LinearSvm, penalty=0.01),
+    "smile": SmileMixture,
 }
 """Called with the task's spec, `seed` and further hyperparameters by name."""
 
@@ -49,7 +56,7 @@ def _convolutions_and_pixels() -> SideBySide:
     )
 
 
-EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
+IMAGE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "convolutions-and-pixels": _convolutions_and_pixels,
     "two-scale-convolutions": lambda: TwoScaleConvolutions(ContrastWhitening()),
     "foveal-convolutions": lambda: FovealConvolutions(ContrastWhitening()),
@@ -61,6 +68,8 @@ EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "pixels": Pixels,
     "pixels-whitened": lambda: Pixels(Whitening()),
 }
+FEATURE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {"features": Features}
+EMBEDDINGS = IMAGE_EMBEDDINGS | FEATURE_EMBEDDINGS
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
 
@@ -77,3 +86,9 @@ def make_embedding(name: str = DEFAULT_EMBEDDING) -> Embedding:
     if name not in EMBEDDINGS:
         raise UnknownNameError("embedding", name, EMBEDDINGS)
     return EMBEDDINGS[name]()
+
+
+def embeddings_like(name: str) -> list[str]:
+    """All that look at the same part of the observation as the one of that name."""
+    table = FEATURE_EMBEDDINGS if name in FEATURE_EMBEDDINGS else IMAGE_EMBEDDINGS
+    return list(table)

@@ -55,7 +55,11 @@ def make_support(name: str = DEFAULT_SUPPORT, **hyperparameters: Any) -> Support
 
 
 def support_hyperparameters(plan: LearningPlan) -> dict[str, Any]:
-    """What `plan` sets of its estimator; the bandwidth factor is for those that have one."""
-    asked = {"nu": plan.nu, "bandwidth_factor": plan.bandwidth_factor}
+    """What `plan` sets of its estimator; a bandwidth is for those that have one."""
+    asked = {
+        "nu": plan.nu,
+        "bandwidth_factor": plan.bandwidth_factor,
+        "bandwidth_unit": plan.bandwidth_unit,
+    }
     taken = inspect.signature(type(make_support(plan.support))).parameters
     return {name: value for name, value in asked.items() if name in taken}

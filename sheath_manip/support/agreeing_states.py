@@ -27,12 +27,14 @@ class AgreeingSupport:
         bandwidth_factor: float = 1.0,
         max_points: int = MAX_POINTS,
         seed: int = 0,
+        bandwidth_unit: str = "median",
     ) -> None:
         """Store the hyperparameters, which are those of `OneClassSupport`."""
         self.nu = nu
         self.bandwidth_factor = bandwidth_factor
         self.max_points = max_points
         self.seed = seed
+        self.bandwidth_unit = bandwidth_unit
 
     def fit(self, X: NDArray, agrees: NDArray | None = None) -> Self:
         """Fit to those of (n, d) vectors where (n,) `agrees`; ParameterError for fewer than 2."""
@@ -60,4 +62,6 @@ class AgreeingSupport:
         return self
 
     def _machine(self) -> OneClassSupport:
-        return OneClassSupport(self.nu, self.bandwidth_factor, self.max_points, self.seed)
+        return OneClassSupport(
+            self.nu, self.bandwidth_factor, self.max_points, self.seed, self.bandwidth_unit
+        )

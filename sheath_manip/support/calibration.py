@@ -151,6 +151,7 @@ ThresholdRule = Callable[[Sequence[NDArray], Sequence[NDArray], LearningPlan], f
 THRESHOLD_RULES: dict[str, ThresholdRule] = {
     "steps": lambda held_out, _, plan: held_out_threshold(held_out, plan.false_alarm_rate),
     "episodes": lambda held_out, _, plan: episode_threshold(held_out, plan.false_alarm_rate),
+    "boundary": lambda *_: 0.0,
     "budget": lambda _, met, plan: budget_threshold(np.concatenate(met), plan.expert_budget),
 }
 

@@ -11,11 +11,7 @@ from sheath_manip.protocols import Arrays
 from sheath_manip.support.boundary import check_least, check_positive, check_share
 from sheath_manip.support.dual import solve_dual
 from sheath_manip.support.kernel_sum import KernelSum
-from sheath_manip.support.vectors import (
-    checked_agreement,
-    checked_training,
-    median_squared_distance,
-)
+from sheath_manip.support.vectors import bandwidth, checked_agreement, checked_training
 
 # Of these a fit takes 20 CPU seconds at 64 dimensions and nu = 0.1, and a score, which looks at a
 # share nu of them, 0.2 ms.
@@ -25,8 +21,8 @@ MAX_POINTS = 200_000
 class DualSupport(ABC):
     """One-class SVM with k(x, y) = exp(-|x - y|²/c), its score divided by the sum of the duals.
 
-    The bandwidth c is in the features' units squared, so it is scaled with the data:
-    `bandwidth_factor` times the median squared distance between training points, `c_` once fitted.
+    The bandwidth c, `c_` once fitted, is in the features' units squared: `bandwidth_factor` times
+    the median squared distance between training points, or times the number of dimensions.
     """
 
     uses_agreement: ClassVar[bool]
@@ -34,12 +30,15 @@ class DualSupport(ABC):
     # The duals of the last fit, unless that was to a draw; not part of `arrays()`.
     _duals: NDArray[np.float64] | None = None
 
-    def __init__(self, nu: float, bandwidth_factor: float, max_points: int, seed: int) -> None:
+    def __init__(
+        self, nu: float, bandwidth_factor: float, max_points: int, seed: int, bandwidth_unit: str
+    ) -> None:
         """Store the hyperparameters that all have."""
         self.nu = nu
         self.bandwidth_factor = bandwidth_factor
         self.max_points = max_points
         self.seed = seed
+        self.bandwidth_unit = bandwidth_unit
 
     @abstractmethod
     def bounds(self, agrees: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -79,7 +78,7 @@ class DualSupport(ABC):
         # Distances stay, and rounding errors shrink, with the origin among the data.
         center = X[chosen].mean(axis=0)
         points = X[chosen] - center
-        self.c_ = self.bandwidth_factor * median_squared_distance(points, rng)
+        self.c_ = bandwidth(points, self.bandwidth_factor, self.bandwidth_unit, rng)
 
         most, signs = self.bounds(agrees[chosen])
         weights, rho = solve_dual(points, self.c_, most, signs, None if drawn else duals)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sheath_manip.protocols import Arrays
 from sheath_manip.support.boundary import check_least, check_positive
 from sheath_manip.support.quantile_support import SCORE_BATCH, QuantileSupport
-from sheath_manip.support.vectors import median_squared_distance
+from sheath_manip.support.vectors import bandwidth
 
 
 class KernelDensitySupport(QuantileSupport):
@@ -22,20 +22,24 @@ class KernelDensitySupport(QuantileSupport):
         bandwidth_factor: float = 1.0,
         max_points: int = 4000,
         seed: int = 0,
+        bandwidth_unit: str = "median",
     ) -> None:
         """Store the hyperparameters.
 
         Args:
             nu: in (0, 1]; the share of the training points outside.
-            bandwidth_factor: positive; c in units of the median squared distance.
+            bandwidth_factor: positive; c in `bandwidth_unit`.
             max_points: of more points the kernels sit on a uniform draw of this size; the boundary
                 is the nu-quantile over all.
             seed: of that draw, and of the one for the median distance.
+            bandwidth_unit: `median`, the median squared distance between training points, or
+                `dimensions`, the number of features.
         """
         self.nu = nu
         self.bandwidth_factor = bandwidth_factor
         self.max_points = max_points
         self.seed = seed
+        self.bandwidth_unit = bandwidth_unit
 
     def learn(self, Z: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n,) log densities, each vector's own kernel counted."""
@@ -45,7 +49,8 @@ class KernelDensitySupport(QuantileSupport):
         chosen = Z
         if len(Z) > self.max_points:
             chosen = Z[rng.choice(len(Z), self.max_points, replace=False)]
-        c = self.bandwidth_factor * median_squared_distance(chosen.astype(np.float64), rng)
+        points = chosen.astype(np.float64)
+        c = bandwidth(points, self.bandwidth_factor, self.bandwidth_unit, rng)
         self._place(chosen, c)
         batches = range(0, len(Z), SCORE_BATCH)
         return np.concatenate([self.rate(Z[start : start + SCORE_BATCH]) for start in batches])

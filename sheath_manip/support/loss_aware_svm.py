@@ -40,6 +40,7 @@ class LossAwareSupport(DualSupport):
         bandwidth_factor: float = 1.0,
         max_points: int = MAX_POINTS,
         seed: int = 0,
+        bandwidth_unit: str = "median",
     ) -> None:
         """Store the hyperparameters.
 
@@ -48,12 +49,14 @@ class LossAwareSupport(DualSupport):
                 gets right and that end up outside.
             nu_error: in (0, 1]; at most this share of them are errors left inside. Theirs is .9:
                 a lower one lets few errors outweigh many states around them.
-            bandwidth_factor: positive; c in units of the median squared distance.
+            bandwidth_factor: positive; c in `bandwidth_unit`.
             max_points: of more points a uniform draw of this size is fitted to; the offset is then
                 reset to the nu-quantile of the scores of all points that the policy gets right.
             seed: of that draw, and of the one for the median distance.
+            bandwidth_unit: `median`, the median squared distance between training points, or
+                `dimensions`, the number of features.
         """
-        super().__init__(nu, bandwidth_factor, max_points, seed)
+        super().__init__(nu, bandwidth_factor, max_points, seed, bandwidth_unit)
         self.nu_error = nu_error
 
     def bounds(self, agrees: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -26,6 +26,7 @@ class OneClassSupport(DualSupport):
         bandwidth_factor: float = 1.0,
         max_points: int = MAX_POINTS,
         seed: int = 0,
+        bandwidth_unit: str = "median",
     ) -> None:
         """Store the hyperparameters.
 
@@ -36,8 +37,10 @@ class OneClassSupport(DualSupport):
                 grows with its square; the offset is then reset to the nu-quantile of the scores of
                 ALL points, so that nu keeps its meaning.
             seed: of that draw, and of the one for the median distance.
+            bandwidth_unit: `median`, the median squared distance between training points, or
+                `dimensions`, the number of features.
         """
-        super().__init__(nu, bandwidth_factor, max_points, seed)
+        super().__init__(nu, bandwidth_factor, max_points, seed, bandwidth_unit)
 
     def bounds(self, agrees: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(n,) 1/(ν n) and (n,) 1."""

@@ -3,10 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 
 # Points between which the median distance is taken: half a million pairs.
 MEDIAN_POINTS = 1000
+BANDWIDTH_UNITS = ("median", "dimensions")
+"""the median squared distance between training points that differ, which follows the features'
+units; or the number of dimensions, for binary features, where 0.01 then is one bit in a hundred"""
 # Beyond this a vector is as far as any, and its square still fits float32.
 LARGEST = 1e15
 
@@ -52,10 +55,24 @@ def checked_rows(X: NDArray, width: int) -> NDArray:
 def squared_distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """(n, n) between (n, d) points, exactly 0 on the diagonal."""
     squares = np.einsum("nd,nd->n", points, points)
-    distances = squares[:, None] + squares[None] - 2 * (points @ points.T)
+    distances = points @ points.T
+    # In place: of many points every copy costs more than the product.
+    distances *= -2
+    distances += squares[:, None] + squares[None]
     np.maximum(distances, 0, out=distances)
     np.fill_diagonal(distances, 0)
     return distances
+
+
+def bandwidth(
+    points: NDArray[np.float64], factor: float, unit: str, rng: np.random.Generator
+) -> float:
+    """c of exp(-|x - y|²/c) for (n, d) points: `factor` in one of `BANDWIDTH_UNITS`."""
+    if unit not in BANDWIDTH_UNITS:
+        raise UnknownNameError("bandwidth unit", unit, BANDWIDTH_UNITS)
+    if unit == "dimensions":
+        return factor * points.shape[1]
+    return factor * median_squared_distance(points, rng)
 
 
 def median_squared_distance(points: NDArray[np.float64], rng: np.random.Generator) -> float:

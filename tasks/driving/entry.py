@@ -1,5 +1,6 @@
 """Driving's entry in the table of tasks."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -31,6 +32,22 @@ def gate_map_figure(*arguments: Any) -> None:
     gate_map(*arguments)
 
 
+# For how the support's size changes learning (the draft's section IV-B): the support alone, at its
+# own boundary.
+_NU = LearningPlan(
+    methods=("sheath",),
+    signal="support",
+    threshold_rule="boundary",
+    seeds=(0,),
+    demonstrations=6,
+    calibration=3,
+    check=3,
+    rounds=4,
+    episodes=4,
+    held_out=8,
+    final=1,
+)
+
 DRIVING = TaskEntry(
     name="driving",
     summary="laps on a closed track among slower cars, steered from an overhead camera",
@@ -47,6 +64,19 @@ DRIVING = TaskEntry(
         "full": LearningPlan(),
         # As in the draft: three laps, one convolution layer, the support on its last hidden layer.
         "paper": LearningPlan(policy="paper-cnn", embedding="penultimate", demonstrations=3),
+        "nu": _NU,
+        # Without a network to train.
+        "nu-quick": replace(
+            _NU,
+            policy="hog-svm",
+            embedding="pixels",
+            precedent_embedding="pixels",
+            demonstrations=2,
+            check=1,
+            rounds=2,
+            episodes=2,
+            held_out=2,
+        ),
         # Painting doubles a cold fit, and a first look can do without.
         "quick": LearningPlan(
             policy="plain-cnn",

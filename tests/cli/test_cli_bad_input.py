@@ -46,7 +46,7 @@ def _train(complaint, made: Path, tmp_path: Path, *options: object) -> str:
 def test_unknown_task(complaint, verb):
     said = "unknown task 'moon'; known: corridor"
     if verb == "experiment":
-        said = "unknown experiment 'moon'; known: corridor, gates"
+        said = "unknown experiment 'moon'; known: corridor, gates, nu"
     assert complaint(verb, "moon", *REST[verb]) == f"sheath: {said}\n"
 
 
@@ -109,6 +109,7 @@ def test_parameter_outside_its_range(complaint, made, tmp_path, option, value):
         ("experiment", "gates", "--dashboard"),
         ("experiment", "gates", "--seeds"),
         ("experiment", "gates", "--workers", -1),
+        ("experiment", "nu", "--seeds"),
     ],
 )
 def test_count_or_speed_outside_its_range(complaint, argv, tmp_path, monkeypatch):
@@ -117,10 +118,11 @@ def test_count_or_speed_outside_its_range(complaint, argv, tmp_path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
-def test_unknown_plan_of_the_gates_moves_nothing_aside(complaint, tmp_path):
+@pytest.mark.parametrize("benchmark", ["gates", "nu"])
+def test_unknown_plan_of_a_benchmark_moves_nothing_aside(benchmark, complaint, tmp_path):
     (tmp_path / "runs").mkdir()
-    line = complaint("experiment", "gates", "--plan", "x", "--fresh", "--runs", tmp_path / "runs")
-    assert line == "sheath: unknown plan of gates 'x'; known: full, quick\n"
+    line = complaint("experiment", benchmark, "--plan", "x", "--fresh", "--runs", tmp_path / "runs")
+    assert line == f"sheath: unknown plan of {benchmark} 'x'; known: full, quick\n"
     assert [path.name for path in tmp_path.iterdir()] == ["runs"]
 
 

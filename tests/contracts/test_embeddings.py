@@ -5,8 +5,15 @@ import pytest
 from sklearn.metrics import roc_auc_score
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.policies import EMBEDDINGS, make_embedding
+from sheath_manip.policies import (
+    EMBEDDINGS,
+    FEATURE_EMBEDDINGS,
+    IMAGE_EMBEDDINGS,
+    embeddings_like,
+    make_embedding,
+)
 from sheath_manip.support import OneClassSupport
+from tests import buttons
 from tests.blobs import fitted_policy, held_out, training
 
 SPATIAL = (
@@ -94,7 +101,7 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
     assert roc_auc_score(truth, np.concatenate(scores)) > 0.99
 
 
-@pytest.mark.parametrize("name", sorted(set(EMBEDDINGS) - {"pixels", "pixels-whitened"}))
+@pytest.mark.parametrize("name", sorted(set(IMAGE_EMBEDDINGS) - {"pixels", "pixels-whitened"}))
 def test_convolutions_are_asked_for_in_one_line(name):
     with pytest.raises(ParameterError, match="needs a policy with convolutions") as caught:
         make_embedding(name).fit(fitted_policy("hog-svm"), training())
@@ -105,6 +112,20 @@ def test_pixels_need_no_convolutions():
     embedding = make_embedding("pixels").fit(fitted_policy("hog-svm"), training())
     one = held_out().take(np.arange(1))
     assert embedding.transform(one.images, one.features).shape == (1, 768)
+
+
+def test_features_are_not_scaled_so_that_distances_count_the_bits_that_differ():
+    states = buttons.training()
+    embedding = make_embedding("features").fit(fitted_policy("hog-svm"), states)
+    vectors = embedding.transform({}, states.features)
+    differing = (states.features[0] != states.features[1]).sum()
+    assert ((vectors[0] - vectors[1]) ** 2).sum() == differing > 0
+
+
+def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
+    assert embeddings_like("pixels") == list(IMAGE_EMBEDDINGS)
+    assert embeddings_like("features") == list(FEATURE_EMBEDDINGS)
+    assert list(EMBEDDINGS) == [*IMAGE_EMBEDDINGS, *FEATURE_EMBEDDINGS]
 
 
 def test_unknown_name():

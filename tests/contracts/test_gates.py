@@ -1,14 +1,26 @@
 """What every gate must do."""
 
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, Mixture, RandomTakeover, SupportGate
-from sheath_manip.protocols import Gate
-from sheath_manip.types import Actor, GateDecision, Observation, Reason
+from sheath_manip.gates import (
+    AlwaysExpert,
+    AlwaysPolicy,
+    HumanGate,
+    Mixture,
+    QueryFilter,
+    RandomTakeover,
+    ScriptedPerson,
+    SupportGate,
+    redrawing,
+)
+from sheath_manip.gates.redrawing import Redrawing
+from sheath_manip.protocols import Gate, Policy
+from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
 
 PROPOSED = np.zeros(1, dtype=np.float32)
 
@@ -22,12 +34,36 @@ def first_feature(observation: Observation) -> float:
     return float(observation.features[0])
 
 
+class Doubter:
+    """An expert who proposes the first feature, so would do otherwise than 0."""
+
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: Observation) -> Action:
+        return observation.features[:1]
+
+
+class Drawer:
+    """A policy that draws."""
+
+    rng = np.random.default_rng(9)
+
+    def draw_from(self, rng: np.random.Generator) -> None:
+        self.rng = rng
+
+
 GATES: dict[str, Callable[[], Gate]] = {
     "always-expert": AlwaysExpert,
     "always-policy": AlwaysPolicy,
     "always-policy, all labelled": lambda: AlwaysPolicy(query=True),
     "mixture": lambda: Mixture(0.5),
     "takeover": lambda: RandomTakeover(0.3),
+    "takeover, own labels": lambda: RandomTakeover(0.3, query=False),
+    "query filter": lambda: QueryFilter(first_feature, 0.0),
+    "human": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0)),
+    "human, who drives on": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=3)),
+    "redrawing": lambda: Redrawing(Mixture(0.5), Drawer()),
     "support": lambda: SupportGate(first_feature, 0.0),
     "support, held": lambda: SupportGate(first_feature, 0.0, False, 0.5, 2, 4),
 }
@@ -119,6 +155,52 @@ def test_the_papers_gate_follows_the_score():
 def test_only_the_experts_own_steps_are_labelled_on_request():
     decisions = run(SupportGate(first_feature, 0.0, query=False), scores=[1.0, -1.0, 1.0])
     assert [d.query for d in decisions] == [False, True, False]
+
+
+def test_random_takeover_labels_its_own_steps_alone_on_request():
+    decisions = run(RandomTakeover(0.3, query=False))
+    assert all(d.query is (d.actor is Actor.EXPERT) for d in decisions)
+    assert [d.actor for d in decisions] == [d.actor for d in run(RandomTakeover(0.3))]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_query_filter_never_takes_over_and_asks_where_sheath_would(seed):
+    scores = np.random.default_rng(seed).normal(size=300)
+    scores[::50] = np.nan
+    decisions = run(QueryFilter(first_feature, 0.2), scores=scores.tolist())
+    assert {d.actor for d in decisions} == {Actor.POLICY}
+    sheath = run(SupportGate(first_feature, 0.2), scores=scores.tolist())
+    assert [d.query for d in decisions] == [d.actor is Actor.EXPERT for d in sheath]
+    assert [d.reason for d in decisions] == [d.reason for d in sheath]
+
+
+def test_the_person_drives_where_it_would_do_otherwise_and_a_while_on():
+    scores = [0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0]
+    assert actors(HumanGate(ScriptedPerson(Doubter(), 1.0)), scores) == "pepppeeppp"
+    gate = HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=2))
+    assert actors(gate, scores) == "peeepeeeep"
+    assert {d.reason for d in run(gate, scores=scores)} == {Reason.PERSON}
+    assert all(d.query is (d.actor is Actor.EXPERT) for d in run(gate, scores=scores))
+    with pytest.raises(ParameterError, match="tolerance"):
+        ScriptedPerson(Doubter(), -1.0)
+
+
+def test_a_policy_that_draws_is_seeded_with_its_gate_and_leaves_its_draws_alone():
+    policy = Drawer()
+    gate = redrawing(Mixture(0.5), cast(Policy, policy))
+    plain = [d.actor for d in run(Mixture(0.5))]
+    assert [d.actor for d in run(gate)] == plain
+    first = policy.rng.random(3).tolist()
+    run(gate)
+    assert policy.rng.random(3).tolist() == first
+    run(gate, seed=1)
+    assert policy.rng.random(3).tolist() != first
+
+
+def test_a_policy_that_draws_nothing_needs_no_seeding():
+    gate = Mixture(0.5)
+    assert redrawing(gate, None) is gate
+    assert redrawing(gate, cast(Policy, Doubter())) is gate
 
 
 @pytest.mark.parametrize("score", [float("nan"), None])

@@ -1,19 +1,75 @@
-"""What every policy of the table must do."""
+"""What every policy of the table must do, each on a toy task of what it looks at."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import POLICIES, make_policy
-from tests.blobs import CHOICES, SPEC, blob_samples, fitted_policy, held_out, observation_of
+from sheath_manip.protocols import Policy
+from sheath_manip.types import Observation, TaskSpec
+from tests import blobs, buttons
 
 pytestmark = pytest.mark.parametrize("name", sorted(POLICIES))
 
 
-def test_learns_the_blobs(name):
-    samples = held_out()
+@dataclass(frozen=True)
+class Toy:
+    """A task and states of it."""
+
+    spec: TaskSpec
+    samples: Callable[..., Samples]
+    """(count, seed, choices)"""
+    nudge: np.ndarray
+    """(a,) what an action may be off by and still be the same choice"""
+    missing: dict[str, Any]
+    """a spec without what the policy looks at"""
+    complaint: str
+    """what is then said"""
+
+
+SEEN = Toy(blobs.SPEC, blobs.blob_samples, np.array([0.02]), {"cameras": {}}, "no camera")
+PRESSED = Toy(
+    buttons.SPEC, buttons.button_samples, np.full(2, 0.2), {"feature_names": ()}, "no features"
+)
+OF_FEATURES = ("linear-svm", "linear-svm-paper", "smile")
+# Others are fitted in one stroke.
+OF_EPOCHS = ("cnn", "plain-cnn", "paper-cnn")
+
+
+def toy(name: str) -> Toy:
+    return PRESSED if name in OF_FEATURES else SEEN
+
+
+@cache
+def held_out(name: str) -> Samples:
+    return toy(name).samples(200, seed=1)
+
+
+@cache
+def fitted_policy(name: str) -> Policy:
+    """Fitted once for all tests, which must not fit it again."""
+    if name not in OF_FEATURES:
+        return blobs.fitted_policy(name)
+    return make_policy(name, buttons.SPEC).fit(buttons.training())
+
+
+def quick(name: str) -> dict[str, Any]:
+    return {"epochs": 2} if name in OF_EPOCHS else {}
+
+
+def observation_of(samples: Samples, index: int) -> Observation:
+    images = {camera: images[index] for camera, images in samples.images.items()}
+    return Observation(images, samples.features[index], 0.0)
+
+
+def test_learns_the_toy(name):
+    samples = held_out(name)
     losses = fitted_policy(name).surrogate_losses(samples)
     assert losses.shape == (len(samples),)
     assert set(np.unique(losses)) <= {0.0, 1.0}
@@ -21,24 +77,25 @@ def test_learns_the_blobs(name):
 
 
 def test_predicts_choices_and_acts_alike(name):
-    samples, policy = held_out(), fitted_policy(name)
+    samples, policy, action = held_out(name), fitted_policy(name), toy(name).spec.action
     predicted = policy.predict(samples.images, samples.features)
-    assert predicted.shape == (len(samples), 1)
+    assert predicted.shape == (len(samples), len(action.names))
     assert predicted.dtype == np.float32
-    assert np.isin(predicted, CHOICES).all()
+    assert (predicted[:, None] == action.choices).all(axis=2).any(axis=1).all()
     for index in range(10):
-        action = policy.act(observation_of(samples, index))
-        assert SPEC.action.validated(action).tolist() == predicted[index].tolist()
+        acted = policy.act(observation_of(samples, index))
+        assert action.validated(acted).tolist() == predicted[index].tolist()
 
 
-def test_predicts_nothing_for_no_images(name):
-    nothing = held_out().take(np.arange(0))
-    assert fitted_policy(name).predict(nothing.images, nothing.features).shape == (0, 1)
+def test_predicts_nothing_for_no_states(name):
+    nothing = held_out(name).take(np.arange(0))
+    width = len(toy(name).spec.action.names)
+    assert fitted_policy(name).predict(nothing.images, nothing.features).shape == (0, width)
 
 
 def test_loaded_arrays_predict_the_same(name):
-    samples, policy = held_out(), fitted_policy(name)
-    loaded = make_policy(name, SPEC, seed=7).load(policy.arrays())
+    samples, policy = held_out(name), fitted_policy(name)
+    loaded = make_policy(name, toy(name).spec, seed=7).load(policy.arrays())
     np.testing.assert_array_equal(
         loaded.predict(samples.images, samples.features),
         policy.predict(samples.images, samples.features),
@@ -46,10 +103,10 @@ def test_loaded_arrays_predict_the_same(name):
 
 
 def test_is_repeatable_from_its_seed_also_when_refitted_from_a_file(name):
-    first, more = blob_samples(40, seed=2), blob_samples(60, seed=3)
-    hyper = {} if name == "hog-svm" else {"epochs": 2}
-    once = make_policy(name, SPEC, seed=3, **hyper).fit(first)
-    again = make_policy(name, SPEC, seed=3, **hyper).load(once.arrays())
+    spec, samples = toy(name).spec, toy(name).samples
+    first, more = samples(40, seed=2), samples(60, seed=3)
+    once = make_policy(name, spec, seed=3, **quick(name)).fit(first)
+    again = make_policy(name, spec, seed=3, **quick(name)).load(once.arrays())
     once.fit(more)
     again.fit(more)
     for key, array in once.arrays().items():
@@ -57,30 +114,42 @@ def test_is_repeatable_from_its_seed_also_when_refitted_from_a_file(name):
 
 
 def test_labels_are_taken_as_the_nearest_choice(name):
-    samples = held_out()
-    off = replace(samples, labels=samples.labels + np.float32(0.02))
+    samples, nudge = held_out(name), toy(name).nudge.astype(np.float32)
+    off = replace(samples, labels=samples.labels + nudge)
     policy = fitted_policy(name)
     np.testing.assert_array_equal(policy.surrogate_losses(off), policy.surrogate_losses(samples))
 
 
 def test_survives_training_states_of_one_choice(name):
-    hyper = {} if name == "hog-svm" else {"epochs": 2}
-    samples = blob_samples(20, seed=4, choices=(2,))
-    policy = make_policy(name, SPEC, **hyper).fit(samples)
+    samples = toy(name).samples(20, seed=4, choices=(2,))
+    policy = make_policy(name, toy(name).spec, **quick(name)).fit(samples)
     assert policy.surrogate_losses(samples).mean() <= 0.1
 
 
 def test_errors_are_clear(name):
+    spec = toy(name).spec
+    choices = spec.action.choices
+    assert choices is not None
     with pytest.raises(ParameterError, match="not fitted"):
-        make_policy(name, SPEC).act(observation_of(held_out(), 0))
+        make_policy(name, spec).act(observation_of(held_out(name), 0))
     with pytest.raises(ParameterError, match="at least one labelled state"):
-        make_policy(name, SPEC).fit(held_out().take(np.arange(0)))
+        make_policy(name, spec).fit(held_out(name).take(np.arange(0)))
     with pytest.raises(ParameterError, match="no list of admissible actions"):
-        make_policy(name, replace(SPEC, action=replace(SPEC.action, choices=None)))
-    with pytest.raises(ParameterError, match="no camera"):
-        make_policy(name, replace(SPEC, cameras={}))
-    other = make_policy(name, replace(SPEC, action=replace(SPEC.action, choices=CHOICES[:2])))
-    with pytest.raises(ParameterError, match=r"2 choices|wanted 2"):
-        other.load(fitted_policy(name).arrays())
+        make_policy(name, replace(spec, action=replace(spec.action, choices=None)))
+    with pytest.raises(ParameterError, match=toy(name).complaint):
+        make_policy(name, replace(spec, **toy(name).missing))
     with pytest.raises(UnknownNameError, match="cnn"):
-        make_policy(name + "x", SPEC)
+        make_policy(name + "x", spec)
+
+
+def test_refuses_what_was_learned_for_another_task(name):
+    spec = toy(name).spec
+    choices = spec.action.choices
+    assert choices is not None
+    if name in OF_FEATURES:
+        other, complaint = replace(spec, feature_names=spec.feature_names[:3]), r"wanted \(2, 4\)"
+    else:
+        other = replace(spec, action=replace(spec.action, choices=choices[:2]))
+        complaint = r"2 choices|wanted 2"
+    with pytest.raises(ParameterError, match=complaint):
+        make_policy(name, other).load(fitted_policy(name).arrays())

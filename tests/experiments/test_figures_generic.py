@@ -1,18 +1,24 @@
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError, UnknownNameError
 from sheath_manip.experiments.figures import FIGURES, write_figures
 from sheath_manip.experiments.figures.intervention import best_intervention
+from sheath_manip.experiments.figures.replayed import pictures_of
+from sheath_manip.experiments.figures.style import looks, quantity
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.plan import LearningPlan
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
 from tests.episodes import episode_of
 from tests.experiments.round_results import expert_records_of, results_of
+from tests.toy import CORRIDOR
 
 PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)
 
@@ -97,6 +103,60 @@ def test_without_an_intervention_only_its_pictures_are_missing(summary, tmp_path
     names = ["burden.png", "film_strip.png"]
     assert write_figures(tmp_path, summary, store, names=names) == [tmp_path / "burden.png"]
     assert not stale.exists()
+
+
+def test_without_a_camera_only_its_pictures_are_missing(summary, tmp_path):
+    store = EpisodeStore.create(tmp_path / "store")
+    info = EpisodeInfo("toy", 0, Purpose.LEARNING, 10.0, "sheath", 1)
+    store.append(episode_of("p" * 20 + "eeee" + "p" * 20, info=info))
+    names = ["burden.png", "film_strip.png", "intervention.gif"]
+    assert write_figures(tmp_path, summary, store, names=names) == [tmp_path / "burden.png"]
+
+
+def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
+    store = EpisodeStore.create(tmp_path / "store")
+    info = EpisodeInfo("toy", 5, Purpose.LEARNING, 10.0, "sheath", 1, run_seed=2)
+    store.append(episode_of("p" * 20 + "eeee" + "p" * 20, info=info))
+    made, restored = [], []
+
+    def make(run_seed: int) -> SimpleNamespace:
+        made.append(run_seed)
+        return SimpleNamespace(reset=made.append, restore=restored.append, close=lambda: None)
+
+    task = replace(
+        CORRIDOR,
+        run_variants={"own": make},
+        picture=lambda _: np.full((40, 60, 3), 5 * len(restored), np.uint8),
+    )
+    pictures = pictures_of(task, "own")
+    names = ["film_strip.png", "intervention.gif"]
+    for path in write_figures(tmp_path, summary, store, None, names, pictures):
+        assert_shows_something(path)
+    assert made == [2, 5, 2, 5]
+    shown = best_intervention(store).window
+    np.testing.assert_array_equal(
+        restored[-1], store.read(episode_name(info)).steps[shown][-1].state
+    )
+    with Image.open(tmp_path / "intervention.gif") as image:
+        assert image.width > image.height
+
+
+def test_the_figures_hold_nine_methods(tmp_path):
+    names = [*PLAN.methods, *(f"other-{number}" for number in range(5))]
+    assert len(set(looks(names).values())) == 9
+    results = results_of(PLAN)
+    results |= dict.fromkeys(names[4:], results["dagger"])
+    plan = replace(PLAN, variant="final")
+    summary = summarise("toy", plan, results, expert_records_of(PLAN), "sheath", 1.0)
+    store = EpisodeStore.create(tmp_path / "store")
+    figures = ["rounds.png", "burden.png", "bound.png"]
+    for path in write_figures(tmp_path, summary, store, names=figures):
+        assert_shows_something(path)
+
+
+def test_an_axis_says_quantity_and_unit():
+    assert quantity("distance_tiles") == "distance (tiles)"
+    assert quantity("laps") == "laps"
 
 
 def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):

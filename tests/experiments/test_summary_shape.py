@@ -3,10 +3,13 @@ import math
 import subprocess
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from rich.console import Console
 
-from sheath_manip.experiments.summary import git_revision, summarise, table
+from sheath_manip.experiments.summary import git_revision, summarise
+from sheath_manip.experiments.table import seeds_shown, table
+from sheath_manip.metrics import mean_interval
 from sheath_manip.plan import LearningPlan
 from sheath_manip.results import write_json
 from tests.experiments.round_results import expert_records_of, results_of
@@ -73,6 +76,51 @@ def test_overall_leaves_the_demonstrations_out(summary, results):
     assert summary["methods"]["sheath"]["final"]["episodes"] == 8
 
 
+def test_areas_are_over_rounds_and_compared_run_by_run(summary, results):
+    def of_run(method: str, seed: int) -> float:
+        rounds = [r for r in results[method] if r.run_seed == seed and r.round > 0]
+        return float(
+            np.mean([np.mean([e.metrics["laps"] for e in each.policy]) for each in rounds])
+        )
+
+    area = summary["methods"]["sheath"]["area"]["policy"]
+    assert area["runs"] == 2
+    assert area["mean"] == pytest.approx(np.mean([of_run("sheath", seed) for seed in (0, 1)]))
+    differences = [of_run("sheath", seed) - of_run("dagger", seed) for seed in (0, 1)]
+    assert area["minus_dagger"]["mean"] == pytest.approx(np.mean(differences))
+    low, high = area["minus_dagger"]["ci95"]
+    assert low < np.mean(differences) < high
+    assert summary["methods"]["dagger"]["area"]["policy"]["minus_dagger"]["ci95"] == [0.0, 0.0]
+
+
+def test_without_dagger_an_area_has_nothing_to_be_compared_to(results):
+    del results["dagger"]
+    experts = expert_records_of(PLAN)
+    summary = summarise("driving", PLAN, results, experts, "sheath experiment driving", 1.0)
+    against = summary["methods"]["sheath"]["area"]["executed"]["minus_dagger"]
+    assert against == {"runs": 0, "mean": None, "ci95": [None, None]}
+
+
+def test_of_many_runs_a_metric_is_as_certain_as_the_runs_are_alike():
+    plan = replace(PLAN, seeds=tuple(range(10)), held_out=4)
+    results = results_of(plan)
+    summary = summarise("driving", plan, results, expert_records_of(plan), "sheath", 1.0)
+    policy = summary["methods"]["sheath"]["rounds"][3]["policy"]
+    means = [
+        np.mean([record.metrics["laps"] for record in result.policy])
+        for result in results["sheath"]
+        if result.round == 3
+    ]
+    assert policy["episodes"] == 40
+    assert policy["ci95"]["laps"] == pytest.approx(list(mean_interval(np.array(means))))
+
+
+def test_many_seeds_are_one_word():
+    assert seeds_shown(range(50)) == "0..49"
+    assert seeds_shown([0, 1, 2]) == "0, 1, 2"
+    assert seeds_shown([0, 1, 2, 3, 7]) == "0, 1, 2, 3, 7"
+
+
 def test_what_is_not_a_number_is_null_and_the_file_reads_as_it_was_written(results, tmp_path):
     lost = {
         method: [replace(result, false_alarm_rate=math.nan, policy=()) for result in rounds]
@@ -100,6 +148,27 @@ def test_the_table_fits_a_terminal(summary, capsys):
     assert "…" not in shown
     for method in ("cloning", "dagger", "sheath", "random-"):
         assert method in shown
+
+
+def test_the_table_fits_a_terminal_where_the_metric_has_a_unit(results, capsys):
+    def tiles(records):
+        return tuple(replace(r, metrics={"distance_tiles": 220.0}) for r in records)
+
+    far = {
+        f"{method}-own-labels" if method == "sheath" else method: [
+            replace(
+                result,
+                executed=tiles(result.executed),
+                policy=tiles(result.policy),
+                final=tiles(result.final),
+            )
+            for result in rounds
+        ]
+        for method, rounds in results.items()
+    }
+    experts = tiles(expert_records_of(PLAN))
+    Console(width=80).print(table(summarise("platformer", PLAN, far, experts, "sheath", 1.0)))
+    assert "…" not in capsys.readouterr().out
 
 
 def test_the_revision_says_whether_files_differ(tmp_path):

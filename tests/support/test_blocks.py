@@ -5,7 +5,7 @@ import pytest
 from sklearn.svm import OneClassSVM
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.support import AgreeingSupport, LossAwareSupport, OneClassSupport
+from sheath_manip.support import AgreeingSupport, LossAwareSupport, OneClassSupport, dual
 from sheath_manip.support.blocks import BlockSolver
 from sheath_manip.support.dual import DIRECT_POINTS
 from sheath_manip.support.vectors import median_squared_distance, squared_distances
@@ -48,6 +48,22 @@ def test_blocks_find_the_optimum_of_the_whole(kind, nu, factor, errors):
     # What lies below the boundary by more than rounding is at its bound, so at most nu of all.
     below = matrix @ weights < rho - 1e-6
     np.testing.assert_allclose(weights[below], most[below])
+
+
+@pytest.mark.parametrize(
+    ("kind", "c", "at_once"), [("binary", 0.5, True), ("manifold", 10.0, False)]
+)
+def test_where_nearly_every_point_counts_no_blocks_are_made(kind, c, at_once, monkeypatch):
+    X = cloud(kind, 1200)
+    most, signs = np.full(1200, 1 / (0.05 * 1200)), np.ones(1200)
+    expected, expected_rho = dual.solve_dual(X, c, most, signs)
+    monkeypatch.setattr(dual, "DIRECT_POINTS", 1000)
+    solved = []
+    monkeypatch.setattr(BlockSolver, "solve", lambda *_: solved.append(1) or (expected, 0.0))
+    weights, rho = dual.solve_dual(X, c, most, signs)
+    assert bool(solved) is not at_once
+    np.testing.assert_array_equal(weights, expected)
+    assert rho == (expected_rho if at_once else 0.0)
 
 
 def test_thousands_of_points_agree_with_sklearn_and_repeat():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from sklearn.svm import OneClassSVM
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.support import OneClassSupport
 
 
@@ -24,6 +24,29 @@ def test_nu_holds_for_repeated_binary_features(factor):
     points = points[rng.integers(0, 300, 500)]
     support = OneClassSupport(0.05, factor).fit(points)
     assert (support.decision_function(points) >= 0).mean() >= 0.94
+
+
+@pytest.mark.parametrize("factor", [0.003, 0.01])
+@pytest.mark.parametrize("nu", [0.02, 0.1])
+def test_nu_holds_for_binary_features_with_a_bandwidth_by_their_number(factor, nu):
+    """Where c is less than the distance of most states nearly all sit on the boundary."""
+    rng = np.random.default_rng(6)
+    # Walks that flip a few of 400 bits a step, stand still at times and come back.
+    flips = rng.random((600, 400)) < 0.004 * rng.integers(0, 2, (600, 1))
+    states = (np.cumsum(flips, axis=0) % 2).astype(np.float32)
+    states = np.concatenate([states, states[::7]])
+    support = OneClassSupport(nu, factor, bandwidth_unit="dimensions").fit(states)
+    assert support.c_ == pytest.approx(factor * 400)
+    assert (support.decision_function(states) >= 0).mean() >= 1 - nu - 1e-3
+    # One by one as in a batch: float32 sums differ in their last bits.
+    single = [support.decision_function(state[None])[0] for state in states[:200]]
+    assert np.mean(np.array(single) >= 0) >= 1 - nu - 0.02
+    assert (support.decision_function(1 - states) < 0).all()
+
+
+def test_an_unknown_unit_of_the_bandwidth_is_named():
+    with pytest.raises(UnknownNameError, match="known: dimensions, median"):
+        OneClassSupport(bandwidth_unit="features").fit(np.eye(5))
 
 
 @pytest.mark.parametrize("dimensions", [2, 128])

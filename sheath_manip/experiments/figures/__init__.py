@@ -10,17 +10,17 @@ from sheath_manip.experiments.figures.bound import bound
 from sheath_manip.experiments.figures.burden import burden
 from sheath_manip.experiments.figures.film import film
 from sheath_manip.experiments.figures.film_strip import film_strip
-from sheath_manip.experiments.figures.intervention import NothingToShowError
+from sheath_manip.experiments.figures.intervention import NothingToShowError, Pictures, recorded
 from sheath_manip.experiments.figures.rounds import rounds
 
-FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, Path], None]] = {
-    "rounds.png": lambda summary, _, path: rounds(summary, path),
-    "burden.png": lambda summary, _, path: burden(summary, path),
-    "bound.png": lambda summary, _, path: bound(summary, path),
-    "film_strip.png": lambda _, store, path: film_strip(store, path),
-    "intervention.gif": lambda _, store, path: film(store, path),
+FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, Pictures, Path], None]] = {
+    "rounds.png": lambda summary, _, __, path: rounds(summary, path),
+    "burden.png": lambda summary, _, __, path: burden(summary, path),
+    "bound.png": lambda summary, _, __, path: bound(summary, path),
+    "film_strip.png": lambda _, store, pictures, path: film_strip(store, path, pictures),
+    "intervention.gif": lambda _, store, pictures, path: film(store, path, pictures),
 }
-"""by file name, from the summary and the episodes"""
+"""by file name, from the summary, the episodes and pictures of their steps"""
 
 TaskFigures = Mapping[str, Callable[[Path], None]]
 """A task's own figures, with their store, checkpoint and environment bound already."""
@@ -32,6 +32,7 @@ def write_figures(
     store: EpisodeStore,
     task_figures: TaskFigures | None = None,
     names: Iterable[str] | None = None,
+    pictures: Pictures = recorded,
 ) -> list[Path]:
     """Write the figures `names`, or all, into `directory` and give their paths in that order.
 
@@ -39,7 +40,8 @@ def write_figures(
     is left out. Raises UnknownNameError before anything is written.
     """
     table: dict[str, Callable[[Path], None]] = {
-        name: lambda path, draw=draw: draw(summary, store, path) for name, draw in FIGURES.items()
+        name: lambda path, draw=draw: draw(summary, store, pictures, path)
+        for name, draw in FIGURES.items()
     }
     table |= task_figures or {}
     wanted = list(table if names is None else names)
@@ -62,6 +64,7 @@ def write_figures(
 __all__ = [
     "FIGURES",
     "NothingToShowError",
+    "Pictures",
     "TaskFigures",
     "bound",
     "burden",

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from sheath_manip.experiments.figures.style import (
     INK,
     SKY,
+    counted,
     drawing,
     heading,
     last_round,
@@ -31,7 +32,7 @@ def bound(summary: Mapping[str, Any], path: Path) -> None:
             f"{summary['experiment'].capitalize()}: mistakes in an episode and their bound "
             "T (ε + ξ)",
             "a mistake is a step at which the policy's action is not the expert's; "
-            f"means over {len(summary['seeds'])} training seeds",
+            f"means over {counted(len(summary['seeds']), 'training seed')}",
         )
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
         for axes in grid[len(methods) :]:
@@ -41,6 +42,8 @@ def bound(summary: Mapping[str, Any], path: Path) -> None:
             axes.set_title(shown(name))
             round_axis(axes, last_round(summary), label=False)
             axes.set_xlabel("round")
+            # Also above panels that are left empty.
+            axes.tick_params(axis="x", labelbottom=True)
         # Once for all panels: they share the axis, and the first alone would cut the others off.
         grid[0].set_ylim(0, 1.08 * _highest(methods))
         grid[0].set_ylabel("control steps of an episode")

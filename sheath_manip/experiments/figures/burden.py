@@ -9,9 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from sheath_manip.experiments.figures.style import (
+    counted,
     drawing,
     heading,
     last_round,
+    legend_below,
     looks,
     offsets,
     percent_axis,
@@ -27,8 +29,9 @@ def burden(summary: Mapping[str, Any], path: Path) -> None:
         heading(
             figure,
             f"{summary['experiment'].capitalize()}: what the expert had to do",
-            f"means over {seeds} training seeds with {summary['plan']['episodes']} episodes a "
-            "round; round 0 are the demonstrations, which all methods share",
+            f"means over {counted(seeds, 'training seed')} with "
+            f"{counted(summary['plan']['episodes'], 'episode')} a round; round 0 are the "
+            "demonstrations, which all methods share",
         )
         grid = figure.subplots(2, 2)
         share, switches, queries, total = grid.ravel()
@@ -56,8 +59,7 @@ def burden(summary: Mapping[str, Any], path: Path) -> None:
         for axes in grid.ravel():
             axes.set_ylim(bottom=0)
             round_axis(axes, last_round(summary))
-        handles, labels = share.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(methods))
+        legend_below(figure, share)
 
 
 def _line(

@@ -8,11 +8,16 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.experiments.figures.intervention import Intervention, best_intervention
+from sheath_manip.experiments.figures.intervention import (
+    Intervention,
+    Pictures,
+    best_intervention,
+    recorded,
+)
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
 from sheath_manip.types import Actor
 
-SIDE_PX = 288
+HEIGHT_PX = 288
 FRAME_PX = 8
 BELOW_PX = 84
 MARGIN_PX = 14
@@ -25,18 +30,19 @@ INK_RGB = (34, 39, 46)
 FONT = cv2.FONT_HERSHEY_DUPLEX
 
 
-def film(store: EpisodeStore, path: Path) -> None:
+def film(store: EpisodeStore, path: Path, pictures: Pictures = recorded) -> None:
     """An animated GIF of the intervention and its surroundings, at half speed.
 
     Raises NothingToShowError where SHEATH's episodes have no intervention.
     """
-    shown = best_intervention(store)
+    shown = best_intervention(store, pictures=pictures)
     window = range(*shown.window.indices(len(shown.episode.steps)))
-    pictures = [_frame(shown, index) for index in window]
+    images = shown.pictures(shown.episode, window)
+    drawn = [_frame(shown, index, image) for index, image in zip(window, images, strict=True)]
     # One palette for all frames, or their colours would flicker; these two show both actors.
-    typical = np.concatenate([pictures[0], pictures[shown.start - window.start]])
+    typical = np.concatenate([drawn[0], drawn[shown.start - window.start]])
     palette = limited(Image.fromarray(typical), COLOURS)
-    frames = [limited(Image.fromarray(picture), COLOURS, palette) for picture in pictures]
+    frames = [limited(Image.fromarray(picture), COLOURS, palette) for picture in drawn]
     frame_ms = round(1000 * SLOWER / shown.episode.info.control_rate_hz)
     path.parent.mkdir(parents=True, exist_ok=True)
     frames[0].save(
@@ -50,21 +56,22 @@ def film(store: EpisodeStore, path: Path) -> None:
     )
 
 
-def _frame(shown: Intervention, index: int) -> NDArray[np.uint8]:
+def _frame(shown: Intervention, index: int, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """(h, w, 3) RGB: the camera in the colour of who acts, below it the score up to now."""
     step = shown.episode.steps[index]
     expert = step.decision.actor is Actor.EXPERT
     colour = _rgb(EXPERT if expert else POLICY)
-    image = next(iter(step.observation.images.values()))
-    image = cv2.resize(image, (SIDE_PX, SIDE_PX), interpolation=cv2.INTER_CUBIC)
-    whole = SIDE_PX + 2 * FRAME_PX
-    picture = np.full((whole + BELOW_PX, whole, 3), 255, np.uint8)
+    width_px = round(HEIGHT_PX * image.shape[1] / image.shape[0])
+    size = (width_px, HEIGHT_PX)
+    resized = cv2.resize(image, size, interpolation=cv2.INTER_CUBIC)
+    whole, across = HEIGHT_PX + 2 * FRAME_PX, width_px + 2 * FRAME_PX
+    picture = np.full((whole + BELOW_PX, across, 3), 255, np.uint8)
     picture[:whole] = colour
-    picture[FRAME_PX : -FRAME_PX - BELOW_PX, FRAME_PX:-FRAME_PX] = image
+    picture[FRAME_PX : -FRAME_PX - BELOW_PX, FRAME_PX:-FRAME_PX] = resized
     words = "expert acts" if expert else "policy acts"
     place = (MARGIN_PX, whole + 20)
     cv2.putText(picture, words, place, FONT, 0.5, colour, 1, cv2.LINE_AA)
-    place = (whole - 152, whole + 20)
+    place = (across - 152, whole + 20)
     cv2.putText(picture, "support score", place, FONT, 0.5, INK_RGB, 1, cv2.LINE_AA)
     _draw_score(picture[whole + 28 : -6], shown, index)
     return picture

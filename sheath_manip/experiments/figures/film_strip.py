@@ -4,40 +4,45 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import (
     Intervention,
+    Pictures,
     best_intervention,
     disagreed,
     expert_acted,
+    recorded,
 )
 from sheath_manip.experiments.figures.style import EXPERT, GREY, INK, POLICY, drawing, heading
-from sheath_manip.types import Actor
+from sheath_manip.types import Actor, Step
 
 FRAMES = 7
 
 
-def film_strip(store: EpisodeStore, path: Path) -> None:
+def film_strip(store: EpisodeStore, path: Path, pictures: Pictures = recorded) -> None:
     """Frames framed in the colour of who acts, and below them score and threshold over time.
 
     Raises NothingToShowError where SHEATH's episodes have no intervention.
     """
-    shown = best_intervention(store)
+    shown = best_intervention(store, pictures=pictures)
     info, steps = shown.episode.info, shown.episode.steps
     window = shown.window
     frames = np.rint(np.linspace(window.start, window.stop - 1, FRAMES)).astype(int)
     with drawing(path, height_px=820) as figure:
         heading(
             figure,
-            "An intervention: the policy leaves its support, the expert drives "
-            f"{shown.expert_s:.1f} s" + (" and hands back" if window.stop > shown.stop else ""),
+            "An intervention: the policy leaves its support, the expert acts "
+            f"for {shown.expert_s:.1f} s" + (" and hands back" if window.stop > shown.stop else ""),
             f"{info.task}, round {info.round}, seed {info.run_seed}, scene {info.seed}; the frames "
             "are marked below by their letters",
         )
         above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 1.25))[:, 0]
-        for number, (axes, index) in enumerate(zip(above.subplots(1, FRAMES), frames, strict=True)):
-            _frame(axes, shown, int(index), chr(ord("a") + number))
+        images = shown.pictures(shown.episode, frames.tolist())
+        for number, axes in enumerate(above.subplots(1, FRAMES)):
+            step = steps[frames[number]]
+            _frame(axes, step, images[number], chr(ord("a") + number))
         axes = below.subplots()
         _score(axes, shown)
         top = axes.get_ylim()[1]
@@ -49,9 +54,7 @@ def film_strip(store: EpisodeStore, path: Path) -> None:
             )
 
 
-def _frame(axes: Axes, shown: Intervention, index: int, letter: str) -> None:
-    step = shown.episode.steps[index]
-    image = next(iter(step.observation.images.values()))
+def _frame(axes: Axes, step: Step, image: NDArray[np.uint8], letter: str) -> None:
     axes.imshow(image, interpolation="lanczos")
     axes.set_xticks([])
     axes.set_yticks([])

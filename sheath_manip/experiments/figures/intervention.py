@@ -1,5 +1,6 @@
 """The intervention worth showing: where the expert did what the policy would not have done."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +11,15 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Actor, Episode, Outcome, Purpose
 
-CONTEXT = 6
-"""steps of the policy before and after that make an intervention one that can be seen"""
-CHATTER = 3
-"""steps of the policy that do not end an intervention"""
-LONGEST = 24
-"""steps; longer ones show nothing more"""
+CONTEXT_S = 0.6
+"""of the policy before and after that make an intervention one that can be seen"""
+CHATTER_S = 0.3
+"""of the policy that do not end an intervention"""
+LONGEST_S = 2.4
+"""longer ones show nothing more"""
+
+Pictures = Callable[[Episode, Sequence[int]], Sequence[NDArray[np.uint8]]]
+"""(h, w, 3) RGB of steps of an episode, all of one size"""
 
 
 class NothingToShowError(StoreError):
@@ -31,6 +35,7 @@ class Intervention:
     """first step of the expert"""
     stop: int
     """first step after it"""
+    pictures: Pictures
 
     @property
     def expert_s(self) -> float:
@@ -41,11 +46,23 @@ class Intervention:
     @property
     def window(self) -> slice:
         """The steps to show: the run, or the first of it, with what led to it and what followed."""
-        stop = min(self.stop, self.start + LONGEST) + CONTEXT
-        return slice(max(self.start - CONTEXT, 0), min(stop, len(self.episode.steps)))
+        context, longest = _steps(self.episode, CONTEXT_S), _steps(self.episode, LONGEST_S)
+        stop = min(self.stop, self.start + longest) + context
+        return slice(max(self.start - context, 0), min(stop, len(self.episode.steps)))
 
 
-def best_intervention(store: EpisodeStore, method: str = "sheath") -> Intervention:
+def recorded(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
+    """What the first camera saw; raises NothingToShowError where there was none."""
+    if not episode.final_observation.images:
+        raise NothingToShowError(
+            f"{episode.info.task} was seen by no camera; wanted images, or a `picture` in its entry"
+        )
+    return [next(iter(episode.steps[index].observation.images.values())) for index in indices]
+
+
+def best_intervention(
+    store: EpisodeStore, method: str = "sheath", pictures: Pictures = recorded
+) -> Intervention:
     """The one to show, images included, of all of `method`; raises NothingToShowError.
 
     Rather one in an episode that succeeded, with the policy driving before and after, in which the
@@ -54,15 +71,16 @@ def best_intervention(store: EpisodeStore, method: str = "sheath") -> Interventi
     best: tuple[tuple, Episode, int, int] | None = None
     for episode in store.episodes(Purpose.LEARNING, method, need_images=False):
         expert = expert_acted(episode)
-        for start, stop in _runs(expert):
-            framed = start >= CONTEXT and not expert[start - CONTEXT : start].any()
-            framed = framed and stop + CONTEXT <= len(expert)
-            framed = framed and not expert[stop : stop + CONTEXT].any()
-            differing = sum(disagreed(episode)[start : min(stop, start + LONGEST)])
+        context, longest = _steps(episode, CONTEXT_S), _steps(episode, LONGEST_S)
+        for start, stop in _runs(expert, _steps(episode, CHATTER_S)):
+            framed = start >= context and not expert[start - context : start].any()
+            framed = framed and stop + context <= len(expert)
+            framed = framed and not expert[stop : stop + context].any()
+            differing = sum(disagreed(episode)[start : min(stop, start + longest)])
             rank = (
                 episode.outcome is Outcome.SUCCESS,
                 framed,
-                stop - start <= LONGEST,
+                stop - start <= longest,
                 differing,
                 stop - start,
             )
@@ -73,7 +91,7 @@ def best_intervention(store: EpisodeStore, method: str = "sheath") -> Interventi
             f"{store.path} holds no intervention of {method}; run its rounds first"
         )
     _, episode, start, stop = best
-    return Intervention(store.read(episode_name(episode.info)), start, stop)
+    return Intervention(store.read(episode_name(episode.info)), start, stop, pictures)
 
 
 def disagreed(episode: Episode) -> NDArray[np.bool_]:
@@ -93,12 +111,16 @@ def expert_acted(episode: Episode) -> NDArray[np.bool_]:
     return np.array([step.decision.actor is Actor.EXPERT for step in episode.steps])
 
 
-def _runs(expert: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(start, stop) of each run of the expert's steps; short breaks end none."""
+def _steps(episode: Episode, duration_s: float) -> int:
+    return round(duration_s * episode.info.control_rate_hz)
+
+
+def _runs(expert: NDArray[np.bool_], chatter: int) -> list[tuple[int, int]]:
+    """(start, stop) of each run of the expert's steps; breaks of up to `chatter` end none."""
     joined: list[tuple[int, int]] = []
     edges = np.flatnonzero(np.diff(np.concatenate([[False], expert, [False]]).astype(int)))
     for start, stop in edges.reshape(-1, 2).tolist():
-        if joined and start - joined[-1][1] <= CHATTER:
+        if joined and start - joined[-1][1] <= chatter:
             joined[-1] = (joined[-1][0], stop)
         else:
             joined.append((start, stop))

@@ -9,31 +9,37 @@ from matplotlib.axes import Axes
 
 from sheath_manip.experiments.figures.style import (
     INK,
+    counted,
     drawing,
     heading,
     last_round,
+    legend_below,
     looks,
     offsets,
     percent_axis,
+    quantity,
     round_axis,
     shown,
 )
 
 FAILURE = "failure_rate"
+HIGHEST = 1.25
+"""of the highest point, up to which intervals are shown: those of two runs leave every scale"""
 
 
 def rounds(summary: Mapping[str, Any], path: Path) -> None:
     """Above: what really ran in each round and in all. Below: each round's policy alone."""
-    metric, methods = summary["metric"], summary["methods"]
+    metric = summary["metric"]
     plan = summary["plan"]
-    seeds = len(summary["seeds"])
+    name = quantity(metric)
     with drawing(path, height_px=1150) as figure:
         heading(
             figure,
-            f"{summary['experiment'].capitalize()}: failures and {metric}, "
+            f"{summary['experiment'].capitalize()}: failures and {name}, "
             "while learning and afterwards",
-            f"{seeds} training seeds with {plan['episodes']} episodes a round; each policy alone "
-            f"on {plan['held_out']} held-out scenes; bars are 95 % intervals",
+            f"{counted(len(summary['seeds']), 'training seed')} with "
+            f"{counted(plan['episodes'], 'episode')} a round; each policy alone on "
+            f"{counted(plan['held_out'], 'held-out scene')}; bars are 95 % intervals",
         )
         grid = figure.subplots(2, 4, width_ratios=(6, 1.1, 6, 1.1))
         for column, figure_name in ((0, FAILURE), (2, metric)):
@@ -42,19 +48,23 @@ def rounds(summary: Mapping[str, Any], path: Path) -> None:
             _by_round(below, summary, "policy", figure_name, first=0)
             _pooled(grid[0, column + 1], summary, "overall", figure_name)
             _pooled(grid[1, column + 1], summary, "final", figure_name)
-        # The final variant is on a scale of its own, such as three laps instead of one.
-        for panels in (grid[0, :2], grid[1, :2], grid[0, 2:], grid[1, 2:3], grid[1, 3:]):
+        shared = [grid[0, :2], grid[1, :2], grid[0, 2:]]
+        # Another final variant is on a scale of its own, such as three laps instead of one.
+        same = plan["variant"] == plan["final_variant"]
+        for panels in (*shared, grid[1, 2:]) if same else (*shared, grid[1, 2:3], grid[1, 3:]):
             _fit_height(list(panels))
+        if same:
+            _as_beside(grid[1, 3])
+            grid[1, 3].set_xlabel("last\npolicy")
         for axes in grid[:, 0]:
             axes.set_ylabel("episodes failed")
         for axes in grid[:, 2]:
-            axes.set_ylabel(metric)
+            axes.set_ylabel(name)
         grid[0, 0].set_title("Failed episodes while learning, under the gate")
-        grid[0, 2].set_title(f"{metric.capitalize()} while learning, under the gate")
+        grid[0, 2].set_title(f"{name.capitalize()} while learning, under the gate")
         grid[1, 0].set_title("Failed episodes of the policy alone")
-        grid[1, 2].set_title(f"{metric.capitalize()} of the policy alone")
-        handles, labels = grid[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(methods) + 1)
+        grid[1, 2].set_title(f"{name.capitalize()} of the policy alone")
+        legend_below(figure, grid[0, 0])
 
 
 def _by_round(
@@ -100,9 +110,13 @@ def _pooled(axes: Axes, summary: Mapping[str, Any], what: str, figure_name: str)
     axes.set_xlabel({"overall": "all\nrounds", "final": "final\nvariant"}[what])
     axes.set_facecolor("#f6f7f9")
     if figure_name == FAILURE or what == "overall":
-        # On the scale of the panel beside it.
-        axes.tick_params(axis="y", length=0, labelleft=False)
-        axes.spines["left"].set_visible(False)
+        _as_beside(axes)
+
+
+def _as_beside(axes: Axes) -> None:
+    """Without an axis, since it is on the scale of the panel beside it."""
+    axes.tick_params(axis="y", length=0, labelleft=False)
+    axes.spines["left"].set_visible(False)
 
 
 def _expert(axes: Axes, summary: Mapping[str, Any], figure_name: str) -> None:
@@ -121,10 +135,13 @@ def _point(figures: Mapping[str, Any], name: str) -> tuple[float, float, float]:
 
 def _fit_height(panels: Sequence[Axes]) -> None:
     """One range for panels of one quantity, which holds all points and is never below 0."""
+    points = np.concatenate([np.ravel(line.get_ydata()) for axes in panels for line in axes.lines])
+    highest = np.max(points, where=np.isfinite(points), initial=0.0)
     limits = [axes.dataLim for axes in panels]
     low, high = min(limit.y0 for limit in limits), max(limit.y1 for limit in limits)
     if not np.isfinite([low, high]).all():
         low, high = 0.0, 1.0
+    high = min(high, HIGHEST * float(highest)) or high
     margin = 0.06 * max(high - low, 0.1)
     for axes in panels:
         axes.set_ylim(max(low - margin, 0.0), high + margin)

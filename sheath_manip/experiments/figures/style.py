@@ -24,6 +24,8 @@ BLUE, VERMILLION, ORANGE, GREEN, PURPLE, SKY = (
     "#CC79A7",
     "#56B4E9",
 )
+# Not theirs: dark enough beside their orange and vermillion.
+BROWN = "#7a4a1e"
 INK, GREY, PALE = "#22272e", "#6e747c", "#d9dce1"
 POLICY, EXPERT = BLUE, VERMILLION
 """the colours of who acts"""
@@ -37,8 +39,10 @@ METHODS = {
     "sheath": (BLUE, "o"),
     "random-takeover": (ORANGE, "^"),
 }
-OTHERS = ((GREEN, "v"), (PURPLE, "P"), (SKY, "X"), (INK, "*"))
-"""for methods that have no colour of their own, in their order"""
+OTHERS = ((GREEN, "v"), (PURPLE, "P"), (SKY, "X"), (BROWN, "<"), (INK, "*"))
+"""for methods that have no colour of their own, in their order; with METHODS' nine in all"""
+LEGEND_COLUMNS = 5
+"""of methods' names that fit beside each other"""
 
 RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -93,8 +97,38 @@ def looks(names: list[str]) -> dict[str, tuple[str, str]]:
 
 def shown(name: str) -> str:
     """A method's name as its authors write it."""
-    written = {"sheath": "SHEATH", "dagger": "DAgger", "cloning": "behaviour cloning"}
+    written = {
+        "sheath": "SHEATH",
+        "sheath-own-labels": "SHEATH, own labels",
+        "sheath-plain": "SHEATH as in the draft",
+        "dagger": "DAgger",
+        "dagger-beta": "DAgger with β",
+        "hg-dagger": "HG-DAgger",
+        "lazy-dagger": "LazyDAgger",
+        "thrifty-dagger": "ThriftyDAgger",
+        "smile": "SMILe",
+        "shiv": "SHIV's queries",
+        "cloning": "behaviour cloning",
+    }
     return written.get(name, name.replace("-", " "))
+
+
+def quantity(metric: str) -> str:
+    """A metric as an axis calls it: `distance_tiles` is a distance in tiles."""
+    name, _, unit = metric.rpartition("_")
+    return f"{name.replace('_', ' ')} ({unit})" if name else unit
+
+
+def counted(count: int, what: str) -> str:
+    """`1 episode`, `2 episodes`."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def legend_below(figure: Figure, axes: Axes) -> None:
+    """The legend of `axes` for all of `figure`."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = min(len(labels), LEGEND_COLUMNS)
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
 def heading(figure: Figure, title: str, below: str) -> None:

@@ -24,6 +24,7 @@ from sheath_manip.experiments.gates.rows import EXPERT, POLICY, RANDOM
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.summary import offline_of
 from sheath_manip.experiments.gates.table import by_costly_mistakes
+from sheath_manip.experiments.table import seeds_shown
 
 SHARES_SHOWN = 0.6
 """of the steps; beyond it the expert drives, and nothing fails"""
@@ -61,7 +62,7 @@ def roc(
             figure,
             f"{task.capitalize()}: what the gates notice",
             f"{len(curves)} gates on the same policy and states; {plan['visited']} held-out scenes "
-            f"with the policy alone, training seeds {', '.join(map(str, plan['seeds']))}",
+            f"with the policy alone, training seeds {seeds_shown(plan['seeds'])}",
         )
         panels = figure.subplots(1, 2)
         for axes, kind in zip(panels, ("far", "costly"), strict=True):

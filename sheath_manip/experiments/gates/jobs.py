@@ -95,7 +95,8 @@ class Judge:
             environment.close()
 
             def fresh_policy() -> Policy:
-                return make_policy(at.learning.policy, spec, seed_for("policy", at.seed))
+                learning, seed = at.learning, seed_for("policy", at.seed)
+                return make_policy(learning.policy, spec, seed, **learning.policy_settings)
 
             agrees = held_out_agreement(fresh_policy, at.demonstrations())
             aside = path.with_suffix(".part")

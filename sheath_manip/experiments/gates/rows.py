@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, RandomTakeover
 from sheath_manip.plan import LearningPlan
-from sheath_manip.policies import EMBEDDINGS
+from sheath_manip.policies import embeddings_like
 from sheath_manip.protocols import Gate
 from sheath_manip.support import SUPPORTS
 
@@ -42,14 +42,16 @@ def rows(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
 
 
 def grid(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
-    """Every embedding with every support estimator."""
+    """Every embedding, of images or of features as the default is, with every estimator."""
     return [
         Row(
             f"{embedding}/{support}",
             replace(learning, signal="support", embedding=embedding, support=support),
             main=learning.embedding == embedding or learning.support == support,
         )
-        for embedding in _after(learning.embedding, EMBEDDINGS, plan.embeddings)
+        for embedding in _after(
+            learning.embedding, embeddings_like(learning.embedding), plan.embeddings
+        )
         for support in _after(learning.support, SUPPORTS, plan.supports)
     ]
 

@@ -1,0 +1,34 @@
+"""Pictures of steps that no camera saw: their states are restored and looked at afterwards."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.experiments.figures.intervention import Pictures, recorded
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import Episode
+
+
+def pictures_of(task: TaskEntry, variant: str) -> Pictures:
+    """The recorded images, or the entry's `picture` of episodes on `variant` that have none."""
+    picture = task.picture
+    if picture is None:
+        return recorded
+
+    def replayed(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
+        if episode.final_observation.images:
+            return recorded(episode, indices)
+        # Each training run may have a scene of its own.
+        environment = task.make_for_run(variant, episode.info.run_seed)
+        try:
+            environment.reset(episode.info.seed)
+            found = []
+            for index in indices:
+                environment.restore(episode.steps[index].state)
+                found.append(picture(environment))
+            return found
+        finally:
+            environment.close()
+
+    return replayed

@@ -1,0 +1,1 @@
+"""How the size of the support changes learning, by the nu of its one-class SVM."""

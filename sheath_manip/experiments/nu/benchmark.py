@@ -1,0 +1,68 @@
+"""`sheath experiment nu`: rounds of SHEATH for each nu, on every task that offers a plan for it."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.experiments.learning import Job
+from sheath_manip.experiments.nu.figure import draw
+from sheath_manip.experiments.nu.plan import METHOD, NuPlan
+from sheath_manip.experiments.nu.summary import Setting, summarise, table
+from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.resuming import require_same_plan
+from sheath_manip.experiments.workers import run_jobs
+from sheath_manip.plan import LearningPlan
+from sheath_manip.results import write_json
+from sheath_manip.task import TaskEntry
+
+
+def run_nu(
+    tasks: Iterable[TaskEntry],
+    plan: NuPlan,
+    *,
+    runs: Path,
+    results: Path,
+    command: str,
+    workers: int = 2,
+    console: Console | None = None,
+) -> dict[str, Any]:
+    """Run or resume the benchmark under `runs`; write summary.json and figures to `results`.
+
+    Each nu has its own directory, which is a run of rounds as any other. The expert's episodes in
+    them are alike to the bit, since their seeds name them; recording them again takes less time
+    than anything that is learned from them. With `workers` 0 all runs in this process. Returns the
+    summary.
+    """
+    console = console or Console()
+    settings = [
+        Setting(task, nu, plan.of(task, nu), runs / task.name / f"nu-{nu:g}")
+        for task in tasks
+        if plan.learning in task.plans
+        for nu in plan.nus
+    ]
+    if not settings:
+        raise ParameterError(f"no task has a plan {plan.learning!r}; wanted at least one")
+    for at in settings:
+        require_same_plan({**at.plan.described(), "seeds": None}, at.runs / "plan.json")
+        EpisodeStore.create(at.runs / "store")
+    jobs = [Job(at.task, at.plan, at.runs, seed, METHOD) for at in settings for seed in at.seeds]
+    stopwatch = Stopwatch(runs / "wall.json")
+    with shown_progress(console, sum(_units(job.plan) for job in jobs), stopwatch) as report:
+        run_jobs(jobs, lambda _: (), workers, report)
+    summary = summarise(settings, plan, command, stopwatch.tick(force=True))
+    write_json(results / "summary.json", summary)
+    paths = draw(summary, results)
+    console.print(table(summary))
+    for path in (results / "summary.json", *paths):
+        console.print(f"  {path}")
+    return summary
+
+
+def _units(plan: LearningPlan) -> int:
+    """How often a job reports."""
+    first = plan.demonstrations + plan.calibration + plan.check + 1 + plan.held_out
+    return first + plan.rounds * (plan.episodes + 1 + plan.held_out) + plan.final

@@ -1,0 +1,84 @@
+"""An experiment as one table: one row a method, below each figure its 95 % interval."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+
+def table(summary: Mapping[str, Any]) -> Table:
+    """Of a summary; fits a terminal of 80 columns."""
+    metric = summary["metric"]
+    grid = Table(
+        title=f"{summary['experiment']}: training seeds {seeds_shown(summary['seeds'])}",
+        caption="run: what was executed in all rounds, the policy under its gate · alone: the last "
+        "policy without gate, on held-out scenes · final: the same on the final variant · "
+        "[not dim]dim[/not dim]: 95 % interval",
+        title_justify="left",
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=0,
+    )
+    grid.add_column("\n\nmethod")
+    words = str(metric).replace("_", "\n")
+    executed = ("run:\nfailed\n%", f"run:\n{words}")
+    burden = (
+        "expert\nshare\n%",
+        "quer-\nies\na seed",
+        "false\nalarms\n%",
+        "switch-\nes an\nepisode",
+    )
+    for header in (*executed, *burden, "alone\nfailed\n%", f"alone\n{words}", f"final\n{words}"):
+        grid.add_column(header, justify="right", vertical="top")
+    expert = summary["expert"]
+    grid.add_row("expert", _rate(expert), _mean(expert, metric), end_section=True)
+    for name, method in summary["methods"].items():
+        overall, last = method["overall"], method["rounds"][-1]
+        grid.add_row(
+            name.replace("-", "-\n"),
+            _rate(overall),
+            _mean(overall, metric),
+            _percent(overall["expert_share"]),
+            _number(overall["queries"], ",.0f"),
+            _percent(overall["false_alarm_rate"]),
+            _number(overall["switches_per_episode"], ".1f"),
+            _rate(last["policy"]),
+            _mean(last["policy"], metric),
+            _mean(method["final"], metric),
+        )
+    return grid
+
+
+def seeds_shown(seeds: Sequence[int]) -> str:
+    """In a line: `0, 1, 2`, but `0..49` for more than four that follow each other."""
+    if len(seeds) > 4 and list(seeds) == list(range(seeds[0], seeds[0] + len(seeds))):
+        return f"{seeds[0]}..{seeds[-1]}"
+    return ", ".join(map(str, seeds))
+
+
+def with_interval(mean: float, ci95: Sequence[float]) -> str:
+    """Two lines of a cell; of three-digit numbers one decimal is enough."""
+    digits = 2 if abs(mean) < 100 else 1
+    return f"{mean:.{digits}f}\n[dim]±{(ci95[1] - ci95[0]) / 2:.{digits}f}[/dim]"
+
+
+def _rate(figures: Mapping[str, Any]) -> str:
+    if figures["failure_rate"] is None:
+        return "–"
+    low, high = figures["ci95"]["failure_rate"]
+    return f"{_percent(figures['failure_rate'])}\n[dim]{100 * low:.0f}–{100 * high:.0f}[/dim]"
+
+
+def _mean(figures: Mapping[str, Any], metric: str | None) -> str:
+    if metric not in figures["metric"]:
+        return "–"
+    return with_interval(figures["metric"][metric], figures["ci95"][metric])
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else f"{100 * value:.1f}"
+
+
+def _number(value: float | None, form: str) -> str:
+    return "–" if value is None else format(value, form)

@@ -1,0 +1,81 @@
+"""HG-DAgger's gate: whoever the person says, and the person's steps are what is learned from.
+
+Kelly et al. 2019, 'HG-DAgger: Interactive imitation learning with human experts' (ICRA).
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Expert
+from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+
+
+class Person(Protocol):
+    """Watches the policy and takes over where it wants to."""
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        ...
+
+    def wants(self, observation: Observation, proposed: Action) -> bool:
+        """Whether the person drives this step."""
+        ...
+
+
+class HumanGate:
+    """The expert acts where the person wants it to, and labels those steps alone."""
+
+    def __init__(self, person: Person) -> None:
+        self.person = person
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """A new episode for the person too."""
+        del rng
+        self.person.reset()
+
+    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+        """Ask the person; the expert without asking where `proposed` is None."""
+        if proposed is None:
+            return GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
+        wants = bool(self.person.wants(observation, proposed))
+        return GateDecision(Actor.EXPERT if wants else Actor.POLICY, wants, Reason.PERSON)
+
+
+class ScriptedPerson:
+    """Stands in for a person: an attentive one, who knows what the expert would do.
+
+    Takes over where the policy would do otherwise, and drives on for a while.
+    """
+
+    def __init__(self, expert: Expert, tolerance: float = 1e-6, hold_steps: int = 0) -> None:
+        """Store what the person knows and how patient it is.
+
+        Args:
+            expert: asked at every step, so it must not mind to be asked again by the rollout.
+            tolerance: largest difference of any dimension of the action, in its own unit, that
+                passes.
+            hold_steps: that the person drives on after the last difference.
+        """
+        if not (tolerance >= 0 and hold_steps >= 0):
+            raise ParameterError(
+                f"tolerance is {tolerance}, hold_steps {hold_steps}; wanted each at least 0"
+            )
+        self.expert = expert
+        self.tolerance = tolerance
+        self.hold_steps = hold_steps
+        self._left = 0
+
+    def reset(self) -> None:
+        """Let the policy have the wheel."""
+        self._left = 0
+
+    def wants(self, observation: Observation, proposed: Action) -> bool:
+        """Whether the expert would do otherwise now, or would have a moment ago."""
+        apart = float(np.abs(self.expert.act(observation) - proposed).max())
+        if apart > self.tolerance:
+            self._left = self.hold_steps
+            return True
+        self._left -= 1
+        return self._left >= 0

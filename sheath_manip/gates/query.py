@@ -1,0 +1,35 @@
+"""SHIV's rule as a filter of queries: the policy always acts, labels are asked for where it is new.
+
+Laskey et al. 2016, 'SHIV: Reducing supervisor burden in DAgger using support vectors' (ICRA).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from sheath_manip.gates.support import SupportGate
+from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+
+
+class QueryFilter:
+    """The policy acts; the expert is asked for a label where SHEATH would let it take over."""
+
+    def __init__(self, score: Callable[[Observation], float | None], threshold: float) -> None:
+        """Store the support score and the threshold below which a state is outside.
+
+        A missing score is outside. ParameterError for a threshold that is not finite.
+        """
+        self.score = score
+        self.threshold = threshold
+        self._support = SupportGate(score, threshold)
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Nothing to forget."""
+        self._support.reset(rng)
+
+    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+        """The policy, labelled outside the support; the expert only where `proposed` is None."""
+        decision = self._support.decide(observation, proposed)
+        outside = decision.actor is Actor.EXPERT
+        acts = Actor.EXPERT if decision.reason is Reason.INVALID_PROPOSAL else Actor.POLICY
+        return GateDecision(acts, outside, decision.reason, decision.score, decision.threshold)

@@ -1,0 +1,129 @@
+"""SMILe's policy: at each step one of the policies of all rounds, the earlier the likelier.
+
+Ross & Bagnell 2010, 'Efficient reductions for imitation learning' (AISTATS), algorithm 3.1:
+
+    pi_n = (1 - α)^n expert + Σ_{j=1..n} α (1 - α)^(j-1) policy_j
+
+where policy_j is trained on round j's states alone. The expert's part is the gate's (`Mixture` with
+beta = (1 - α)^n); what is left, renormalised, is this policy, and all there is once nobody helps.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.parts import part, prefixed
+from sheath_manip.protocols import Arrays, Policy
+from sheath_manip.types import Action, Observation, TaskSpec
+
+
+def expert_weight(alpha: float, members: int) -> float:
+    """(1 - α)^n, which the mixture of n policies leaves to the expert."""
+    return (1 - alpha) ** members
+
+
+def member_weights(alpha: float, members: int) -> NDArray[np.float64]:
+    """(n,) α (1 - α)^(j-1) for j = 1..n, renormalised to sum to 1 without the expert."""
+    weights = alpha * (1 - alpha) ** np.arange(members, dtype=np.float64)
+    return weights / (1 - expert_weight(alpha, members))
+
+
+def as_first_member(arrays: Arrays) -> Arrays:
+    """The learned state of the mixture of one policy with that learned state."""
+    return prefixed({"0": arrays})
+
+
+class SmileMixture:
+    """A draw, at each step, among policies each fitted to the states of one round."""
+
+    def __init__(
+        self,
+        spec: TaskSpec,
+        member: str = "linear-svm",
+        alpha: float = 0.1,
+        member_settings: Mapping[str, Any] | None = None,
+        seed: int = 0,
+    ) -> None:
+        """Store the hyperparameters.
+
+        Args:
+            spec: of the task.
+            member: name of the policies that are mixed.
+            alpha: in (0, 1), the newest policy's share of what was the expert's.
+            member_settings: their hyperparameters.
+            seed: of the first weights of each, and of the draws before `draw_from`.
+        """
+        if not 0 < alpha < 1:
+            raise ParameterError(f"alpha is {alpha}; wanted a share between 0 and 1, like 0.1")
+        self.spec = spec
+        self.member = member
+        self.alpha = alpha
+        self.member_settings = dict(member_settings or {})
+        self.seed = seed
+        self.members_: list[Policy] = []
+        self._rng = np.random.default_rng(seed)
+        self._fresh()
+
+    def draw_from(self, rng: np.random.Generator) -> None:
+        """Draw from `rng` from now on."""
+        self._rng = rng
+
+    def fit(self, samples: Samples) -> Self:
+        """Add a policy fitted to `samples`, those of the last round; it begins at the one before.
+
+        That saves time, and keeps what was chosen once, such as the C of a support vector machine.
+        """
+        newest = self._fresh()
+        if self.members_:
+            newest.load(self.members_[-1].arrays())
+        self.members_.append(newest.fit(samples))
+        return self
+
+    def predict(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, a) the likeliest actions: those with the most weight behind them, nothing drawn."""
+        weights = self.weights()
+        said = np.stack([member.predict(images, features) for member in self.members_])
+        same = (said[:, None] == said[None]).all(axis=3)
+        support = np.einsum("j,ijn->in", weights, same)
+        return said[support.argmax(axis=0), np.arange(said.shape[1])]
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) what the policy says that is drawn for this step."""
+        weights = self.weights()
+        # By the cumulated weights, which `choice` would check anew at each step.
+        drawn = int(np.searchsorted(np.cumsum(weights), self._rng.random(), side="right"))
+        return self.members_[min(drawn, len(weights) - 1)].act(observation)
+
+    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+        """(n,) the expected losses of the draw."""
+        losses = [member.surrogate_losses(samples) for member in self.members_]
+        return (self.weights() @ np.stack(losses)).astype(np.float32)
+
+    def weights(self) -> NDArray[np.float64]:
+        """(n,) the chances of the n policies, the first round's first."""
+        if not self.members_:
+            raise ParameterError("the policy is not fitted yet; call fit or load first")
+        return member_weights(self.alpha, len(self.members_))
+
+    def arrays(self) -> Arrays:
+        """Those of each policy, by its number."""
+        self.weights()
+        return prefixed({str(j): member.arrays() for j, member in enumerate(self.members_)})
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        numbers = sorted({int(name.partition("/")[0]) for name in arrays})
+        self.members_ = [self._fresh().load(part(arrays, str(number))) for number in numbers]
+        return self
+
+    def _fresh(self) -> Policy:
+        # Only now: the table of policies lists this one.
+        from sheath_manip.policies import make_policy
+
+        return make_policy(self.member, self.spec, self.seed, **self.member_settings)

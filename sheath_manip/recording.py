@@ -1,0 +1,104 @@
+"""The episodes of one training run: read from the store, or run and recorded now."""
+
+from collections.abc import Callable, Sequence
+
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.evaluation import Report
+from sheath_manip.gates import redrawing
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.rollout import rollout
+from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Purpose
+
+
+class AskedOnce:
+    """An expert that remembers its last answer: asked again in the same step it does not think."""
+
+    def __init__(self, expert: Expert) -> None:
+        self.expert = expert
+        self._last: tuple[Observation, Action] | None = None
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self._last = None
+        self.expert.reset()
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) what the expert would do; the very same observation object is the same step."""
+        if self._last is None or self._last[0] is not observation:
+            self._last = (observation, self.expert.act(observation))
+        return self._last[1]
+
+
+class Recording:
+    """Runs the episodes of one training run, each once and for all."""
+
+    def __init__(
+        self,
+        environment: Environment,
+        expert: Expert,
+        run_seed: int,
+        store: EpisodeStore,
+        listeners: Sequence[Listener],
+        report: Report,
+    ) -> None:
+        self.environment = environment
+        self.expert = expert
+        self.run_seed = run_seed
+        self.store = store
+        self.listeners = (Recorder(store), *listeners)
+        self.report = report
+
+    def episodes(
+        self,
+        purpose: Purpose,
+        method: str,
+        number: int,
+        count: int,
+        gate: Callable[[], Gate],
+        policy: Policy | None = None,
+        checkpoint: str = "",
+    ) -> list[Episode]:
+        """`count` episodes of round `number`, driven by `policy` under a `gate` made for each.
+
+        `checkpoint` is the digest of the file that policy and gate are from.
+        """
+        infos = [self._info(purpose, method, number, index, checkpoint) for index in range(count)]
+        return [self._episode(info, gate, policy) for info in infos]
+
+    def _episode(
+        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Policy | None
+    ) -> Episode:
+        if self.store.has(info):
+            episode = self.store.read(episode_name(info))
+        else:
+            episode = rollout(
+                self.environment,
+                info,
+                redrawing(gate(), policy),
+                rng=generator("gate", info.method, info.run_seed, info.round, info.index),
+                policy=policy,
+                expert=self.expert,
+                listeners=self.listeners,
+            )
+        self.report(f"{info.method} round {info.round}")
+        return episode
+
+    def _info(
+        self, purpose: Purpose, method: str, number: int, index: int, checkpoint: str
+    ) -> EpisodeInfo:
+        spec = self.environment.spec
+        return EpisodeInfo(
+            task=spec.name,
+            # Not by method: all methods meet the same scenes in the same round.
+            seed=scene_seed(purpose, self.run_seed, number, index),
+            purpose=purpose,
+            control_rate_hz=spec.control_rate_hz,
+            method=method,
+            round=number,
+            index=index,
+            run_seed=self.run_seed,
+            checkpoint=checkpoint,
+        )

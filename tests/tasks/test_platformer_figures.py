@@ -1,0 +1,53 @@
+"""The platformer's own figure, and the frames of its films."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.figures.intervention import NothingToShowError
+from sheath_manip.experiments.figures.replayed import pictures_of
+from sheath_manip.gates import AlwaysExpert
+from sheath_manip.rollout import rollout
+from sheath_manip.types import EpisodeInfo, Purpose
+from tasks.platformer.entry import PLATFORMER
+from tasks.platformer.expert import PlatformerExpert
+from tasks.platformer.figures import scene
+
+
+def players_column(picture: np.ndarray) -> float:
+    """0 at the left edge, 1 at the right one."""
+    red, green, blue = np.moveaxis(picture.astype(int), -1, 0)
+    seen = (red > 120) & (green < 60) & (blue < 60)
+    assert seen.any()
+    return float(np.nonzero(seen)[1].mean()) / picture.shape[1]
+
+
+def test_a_demonstration_is_shown_in_the_middle_and_its_frames_from_its_states(tmp_path):
+    store, path = EpisodeStore.create(tmp_path / "store"), tmp_path / "scene.png"
+    environment = PLATFORMER.make_for_run("stage", 3)
+    checkpoint = SimpleNamespace(run_seed=3)
+    with pytest.raises(NothingToShowError, match="no demonstrations of seed 3"):
+        scene(store, checkpoint, environment, path)  # type: ignore[arg-type]
+    info = EpisodeInfo("platformer", 5, Purpose.DEMONSTRATION, 24.0, "expert", run_seed=3)
+    episode = rollout(
+        environment,
+        info,
+        AlwaysExpert(),
+        rng=np.random.default_rng(0),
+        expert=PlatformerExpert(environment),
+        listeners=[Recorder(store)],
+    )
+    scene(store, checkpoint, environment, path)  # type: ignore[arg-type]
+    environment.close()
+    with Image.open(path) as image:
+        assert image.width == 1600
+        assert players_column(np.asarray(image.convert("RGB"))[:600]) == pytest.approx(1 / 3, 0.1)
+    frames = pictures_of(PLATFORMER, "stage")(episode, [10, 60])
+    assert [frame.shape for frame in frames] == [(288, 384, 3)] * 2
+    assert not np.array_equal(*frames)
+    for frame in frames:
+        assert players_column(frame) == pytest.approx(1 / 3, 0.1)
