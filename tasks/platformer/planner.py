@@ -45,6 +45,9 @@ _EDGE_M, _EDGE_S = 1.2, 0.06
 where the button comes a step late, as a policy's will"""
 _ENEMY_M, _ENEMY_S = 2.0, 0.06
 """how near to an enemy ahead, likewise"""
+_WALL_M, _CLIMB_S = 1.0, 0.1
+"""how near a wall is next, and the seconds that each metre of it takes which no jump under way
+will clear: without them a search at its foot tries all else before it goes up"""
 _BLOCKS = 24
 """around the player: few of them make a tick cheaper, which is most of a plan's time"""
 _BEHIND_M, _BEYOND_M = 8.0, 10.0
@@ -69,6 +72,7 @@ class Planner:
         self._game = Game(model, data)
         self._stage: Stage | None = None
         self._gaps: list[_Gap | None] = []
+        self._heights: list[int] = []
         self._goal_m = 0.0
         self._search = AStar(
             actions=len(ACTIONS),
@@ -85,6 +89,7 @@ class Planner:
         """Plan on `stage` from now on."""
         self._stage = stage
         self._game.begin(stage)
+        self._heights = stage.heights.tolist()
         self._gaps = [None] * len(stage.heights)
         for before, behind in pairwise(stage.blocks):
             gap = _Gap(before.right, before.height, behind.left, behind.height)
@@ -131,12 +136,17 @@ class Planner:
         return cost
 
     def _estimate(self, moment: Moment) -> float:
-        """Seconds to the goal, from this speed up to a run."""
+        """Seconds to the goal, from this speed up to a run, and up the wall that is next."""
         away = self._goal_m - moment.x
         if moment.end is End.FLAG or away <= 0:
             return 0.0
         lacking = max(RUN_M_S - moment.vx, 0.0)
-        return away / RUN_M_S + lacking**2 / (2 * ACCELERATION_M_S2 * RUN_M_S)
+        seconds = away / RUN_M_S + lacking**2 / (2 * ACCELERATION_M_S2 * RUN_M_S)
+        wall = self._heights[floor(moment.x + _WALL_M) + LEAD_TILES]
+        if wall > moment.z:
+            top = moment.z + max(moment.vz, 0.0) ** 2 / (2 * GRAVITY_M_S2)
+            seconds += _CLIMB_S * max(wall - top, 0.0)
+        return seconds
 
     def _falls(self, moment: Moment) -> bool:
         """Over a gap, and even at a run too far from either rim.
