@@ -76,6 +76,7 @@ def nu_figure(task: str, found: Mapping[str, Any], path: Path) -> None:
             percent_axis(axes)
         for axes in grid[:, 1]:
             axes.set_ylabel(name)
+            axes.set_ylim(bottom=0)
         legend_below(figure, grid[0, 0])
 
 
