@@ -1,8 +1,9 @@
 """Experiments that are no single task's, by name: `sheath experiment NAME`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.session import Session
@@ -26,44 +27,39 @@ class Asked:
 
 def gates(asked: Asked, session: Session) -> None:
     """Every embedding with every support estimator, on every task that has probes."""
-    tasks = session.tasks().values()
     # Only now: torch takes seconds to import.
     from sheath_manip.experiments.gates.benchmark import run_gates
     from sheath_manip.experiments.gates.plan import PLANS
 
-    if asked.size not in PLANS:
-        raise UnknownNameError("plan of gates", asked.size, PLANS)
-    plan = PLANS[asked.size]
-    if asked.seeds is not None:
-        plan = replace(plan, seeds=asked.seeds)
-    if asked.fresh:
-        move_aside(asked.runs, session)
-    run_gates(
-        tasks,
-        plan,
-        runs=asked.runs,
-        results=asked.results,
-        command=session.command,
-        workers=asked.workers,
-        console=session.out,
-    )
+    _run("gates", PLANS, run_gates, asked, session)
 
 
 def nu(asked: Asked, session: Session) -> None:
     """Learning by the size of the support, on every task that has a plan for it."""
-    tasks = session.tasks().values()
     # Only now: torch takes seconds to import.
     from sheath_manip.experiments.nu.benchmark import run_nu
     from sheath_manip.experiments.nu.plan import PLANS
 
-    if asked.size not in PLANS:
-        raise UnknownNameError("plan of nu", asked.size, PLANS)
-    plan = PLANS[asked.size]
+    _run("nu", PLANS, run_nu, asked, session)
+
+
+def _run(
+    name: str,
+    plans: Mapping[str, Any],
+    run: Callable[..., object],
+    asked: Asked,
+    session: Session,
+) -> None:
+    """Run a benchmark at the asked size; UnknownNameError for one that it has no plan for."""
+    tasks = session.tasks().values()
+    if asked.size not in plans:
+        raise UnknownNameError(f"plan of {name}", asked.size, plans)
+    plan = plans[asked.size]
     if asked.seeds is not None:
         plan = replace(plan, seeds=asked.seeds)
     if asked.fresh:
         move_aside(asked.runs, session)
-    run_nu(
+    run(
         tasks,
         plan,
         runs=asked.runs,
