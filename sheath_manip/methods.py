@@ -16,7 +16,7 @@ from sheath_manip.gates import (
 )
 from sheath_manip.gates.human import Person
 from sheath_manip.plan import LearningPlan
-from sheath_manip.policies import IMAGE_EMBEDDINGS
+from sheath_manip.policies import FEATURE_EMBEDDINGS, IMAGE_EMBEDDINGS
 from sheath_manip.policies.smile import as_first_member, expert_weight
 from sheath_manip.protocols import Arrays, Gate
 
@@ -87,9 +87,15 @@ def _sheath(context: RoundContext, query: bool = True) -> Gate:
 _own_labels = partial(_sheath, query=False)
 
 
+def _on_raw_features(plan: LearningPlan) -> LearningPlan:
+    if plan.embedding not in FEATURE_EMBEDDINGS:
+        return plan
+    return replace(plan, embedding="features", precedent_embedding="features")
+
+
 def _paper(plan: LearningPlan) -> LearningPlan:
     return replace(
-        plan,
+        _on_raw_features(plan),
         signal="support",
         support="one-class-svm",
         nu=PAPER_NU,
@@ -105,10 +111,10 @@ def _smile(plan: LearningPlan) -> LearningPlan:
         "member_settings": plan.policy_settings,
         "alpha": plan.alpha,
     }
-    mixed = replace(plan, policy="smile", policy_settings=settings)
+    # A mixture has no convolutions to look through, nor weights of its own.
+    mixed = replace(_on_raw_features(plan), policy="smile", policy_settings=settings)
     if plan.embedding not in IMAGE_EMBEDDINGS:
         return mixed
-    # A mixture has no convolutions to look through.
     return replace(mixed, embedding="pixels-whitened", precedent_embedding="pixels-whitened")
 
 

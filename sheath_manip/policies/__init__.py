@@ -21,6 +21,7 @@ from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
 from sheath_manip.policies.smile import SmileMixture
+from sheath_manip.policies.weighted_features import WeightedFeatures
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
 
@@ -68,7 +69,10 @@ IMAGE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "pixels": Pixels,
     "pixels-whitened": lambda: Pixels(Whitening()),
 }
-FEATURE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {"features": Features}
+FEATURE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
+    "features": Features,
+    "weighted-features": WeightedFeatures,
+}
 EMBEDDINGS = IMAGE_EMBEDDINGS | FEATURE_EMBEDDINGS
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"

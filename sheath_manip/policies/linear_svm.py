@@ -86,6 +86,11 @@ class LinearSvm:
         predicted = self.predict(samples.images, samples.features)
         return zero_one_losses(self.choices, predicted, samples.labels)
 
+    def feature_weights(self) -> NDArray[np.float32]:
+        """(f,) the norm of a feature's weights over all machines."""
+        weights, _ = self._fitted()
+        return np.linalg.norm(weights, axis=0)
+
     def arrays(self) -> Arrays:
         """Machines (a, f + 1), the last column their biases, and their C."""
         self._fitted()

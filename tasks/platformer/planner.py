@@ -40,6 +40,9 @@ HORIZON_M = 12.0
 """planned ahead: what the features show, and half a jump more"""
 _JUMP_S = 0.02
 """what a pressed jump costs beside its time, so that nobody jumps for nothing"""
+_WALK_S = 0.03
+"""what an action without speed costs likewise: now a run and now a walk, for no reason that one
+could see, is hard to imitate"""
 _EDGE_M, _EDGE_S = 1.2, 0.06
 """how near to a gap the ground is avoided, and at what price: who jumps from the very edge is lost
 where the button comes a step late, as a policy's will"""
@@ -127,7 +130,9 @@ class Planner:
 
     def _cost(self, action: int, moment: Moment) -> float:
         """Seconds, and what is avoided at the price of some."""
-        cost = MACRO_STEPS / CONTROL_RATE_HZ + _JUMP_S * ACTIONS[action].jump
+        buttons = ACTIONS[action]
+        cost = MACRO_STEPS / CONTROL_RATE_HZ + _JUMP_S * buttons.jump
+        cost += _WALK_S * (not buttons.speed)
         if moment.grounded and moment.vx > 1.0:
             if self._gaps[floor(moment.x + _EDGE_M) + LEAD_TILES] is not None:
                 cost += _EDGE_S

@@ -59,11 +59,12 @@ def test_they_hold_where_the_numbers_are_good(tmp_path):
     ("changed", "claims"),
     [
         # DAgger's policy ends up farther than SHEATH's robot ever came under its gate.
-        ({"dagger": (90, 210, 400)}, 2),
+        ({"dagger": (90, 210, 400)}, 3),
         # SHEATH's robot comes as far as DAgger's policy, but not near the expert.
         ({"sheath": (180, 160, 400)}, 1),
         ({"sheath": (205, 140, 400)}, 1),
         ({"sheath_own_labels": (205, 155, 130)}, 1),
+        ({"sheath_own_labels": (205, 140, 110)}, 1),
     ],
 )
 def test_one_bad_number_breaks_its_claim(changed, claims, tmp_path):
@@ -72,5 +73,6 @@ def test_one_bad_number_breaks_its_claim(changed, claims, tmp_path):
 
 def test_daggers_level_is_that_of_its_last_three_rounds(tmp_path):
     # Its policy alone comes 199, 200 and 201 tiles far in them.
-    assert broken(tmp_path / "a", dagger=(90, 201, 400), sheath=(200.1, 202, 400)) == []
-    assert len(broken(tmp_path / "b", dagger=(90, 201, 400), sheath=(199.9, 202, 400))) == 1
+    changed = {"dagger": (90, 201, 400), "sheath_own_labels": (205, 202, 110)}
+    assert broken(tmp_path / "a", **changed, sheath=(200.1, 202, 400)) == []
+    assert len(broken(tmp_path / "b", **changed, sheath=(199.9, 202, 400))) == 1

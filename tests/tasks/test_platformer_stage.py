@@ -63,7 +63,7 @@ def test_harder_stages_are_denser():
     assert (np.diff(counts, axis=0) > 0).all()
     # Of difficulty 1: what the learning experiments are about.
     assert counts[1, 0] > 5
-    assert 10 < counts[1, 1] < 20
+    assert 5 < counts[1, 1] < 12
     assert sum(block.pipe for seed in SEEDS for block in stage(seed).blocks) > 2 * len(SEEDS)
 
 
