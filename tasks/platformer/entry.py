@@ -71,8 +71,8 @@ _LINEAR = LearningPlan(
     refit_unused=False,
 )
 # As in the draft: a stage for each run, a demonstration more than one so that C can be chosen by
-# cross-validation, and 10 rounds of one episode. Starts differ in the first two tiles only, so a few
-# of them say what many would; the runs are what counts.
+# cross-validation, and 10 rounds of one episode. Starts differ in the first two tiles only, so that
+# few of them say what many would; the runs are what counts.
 _FULL = replace(
     _LINEAR,
     methods=(

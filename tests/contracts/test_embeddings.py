@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from sklearn.metrics import roc_auc_score
 
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import (
     EMBEDDINGS,
@@ -11,7 +12,9 @@ from sheath_manip.policies import (
     IMAGE_EMBEDDINGS,
     embeddings_like,
     make_embedding,
+    make_policy,
 )
+from sheath_manip.protocols import Policy
 from sheath_manip.support import OneClassSupport
 from tests import buttons
 from tests.blobs import fitted_policy, held_out, training
@@ -27,16 +30,30 @@ SPATIAL = (
 )
 
 
+def linear_policy() -> Policy:
+    return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(buttons.training())
+
+
+def policy_and_states(name: str) -> tuple[Policy, Samples, Samples]:
+    """What an embedding of that name looks through, is fitted to and is judged on."""
+    if name in FEATURE_EMBEDDINGS:
+        return linear_policy(), buttons.training(), buttons.held_out()
+    return fitted_policy("cnn"), training(), held_out()
+
+
 @pytest.fixture(scope="module")
 def embeddings():
     """All of them, fitted to the training states of one policy."""
-    policy = fitted_policy("cnn")
-    return {name: make_embedding(name).fit(policy, training()) for name in EMBEDDINGS}
+    fitted = {}
+    for name in EMBEDDINGS:
+        policy, states, _ = policy_and_states(name)
+        fitted[name] = make_embedding(name).fit(policy, states)
+    return fitted
 
 
 @pytest.mark.parametrize("name", sorted(EMBEDDINGS))
 def test_gives_finite_vectors_one_by_one_as_in_a_batch(name, embeddings):
-    samples = held_out()
+    _, _, samples = policy_and_states(name)
     vectors = embeddings[name].transform(samples.images, samples.features)
     assert vectors.shape[0] == len(samples)
     assert vectors.dtype == np.float32
@@ -48,8 +65,9 @@ def test_gives_finite_vectors_one_by_one_as_in_a_batch(name, embeddings):
 
 @pytest.mark.parametrize("name", sorted(EMBEDDINGS))
 def test_loaded_arrays_transform_the_same(name, embeddings):
-    one = held_out().take(np.arange(5))
-    loaded = make_embedding(name).load(fitted_policy("cnn"), embeddings[name].arrays())
+    policy, _, samples = policy_and_states(name)
+    one = samples.take(np.arange(5))
+    loaded = make_embedding(name).load(policy, embeddings[name].arrays())
     np.testing.assert_array_equal(
         loaded.transform(one.images, one.features),
         embeddings[name].transform(one.images, one.features),
@@ -120,6 +138,21 @@ def test_features_are_not_scaled_so_that_distances_count_the_bits_that_differ():
     vectors = embedding.transform({}, states.features)
     differing = (states.features[0] != states.features[1]).sum()
     assert ((vectors[0] - vectors[1]) ** 2).sum() == differing > 0
+
+
+def test_weighted_features_are_as_far_apart_as_the_policy_can_tell_them():
+    policy, states = linear_policy(), buttons.training()
+    weights = policy.arrays()["machines"][:, :-1]
+    embedding = make_embedding("weighted-features").fit(policy, states)
+    lit = np.eye(weights.shape[1], dtype=np.float32)
+    lengths = np.linalg.norm(embedding.transform({}, lit), axis=1)
+    expected = np.linalg.norm(weights, axis=0)
+    np.testing.assert_allclose(lengths, expected / expected.max(), rtol=1e-5)
+
+
+def test_weighted_features_want_a_policy_that_weighs_them():
+    with pytest.raises(ParameterError, match="ConvPolicy does not say what it makes of each"):
+        make_embedding("weighted-features").fit(fitted_policy("cnn"), training())
 
 
 def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
