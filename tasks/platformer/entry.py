@@ -59,14 +59,16 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
     return film_frame(environment)
 
 
-# As in the draft: linear policies on binary features. The gate sees them as the policy does: on six
-# tuning stages that took the expert's share for the same distance from .25 to .20.
+# As in the draft: linear policies on binary features. The gate sees them as the policy does. On six
+# tuning stages, 25 % false alarms asked: with the features as they are the robot came 187 tiles far
+# under the gate where the expert had 17 % of the steps (precedents alone), and 198 at 20 % so; the
+# policies of SHEATH with own labels came 116 and 144 tiles. On eight others, at 22 %: 201 tiles.
 _LINEAR = LearningPlan(
     policy="linear-svm",
     embedding="weighted-features",
     precedent_embedding="weighted-features",
     support="one-class-svm",
-    false_alarm_rate=0.25,
+    false_alarm_rate=0.22,
     # Fitting a signal takes most of a round's time, and DAgger's gate looks at none.
     refit_unused=False,
 )
