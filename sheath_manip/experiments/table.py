@@ -58,9 +58,14 @@ def seeds_shown(seeds: Sequence[int]) -> str:
 
 
 def with_interval(mean: float, ci95: Sequence[float]) -> str:
-    """Two lines of a cell; of three-digit numbers one decimal is enough."""
+    """Two lines of a cell; of three-digit numbers one decimal is enough.
+
+    One line where the interval has no width: of a single value nothing is known of its spread.
+    """
     digits = 2 if abs(mean) < 100 else 1
-    return f"{mean:.{digits}f}\n[dim]±{(ci95[1] - ci95[0]) / 2:.{digits}f}[/dim]"
+    half = (ci95[1] - ci95[0]) / 2
+    shown = f"{mean:.{digits}f}"
+    return f"{shown}\n[dim]±{half:.{digits}f}[/dim]" if half > 0 else shown
 
 
 def _rate(figures: Mapping[str, Any]) -> str:

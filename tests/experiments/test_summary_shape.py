@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from sheath_manip.experiments.summary import git_revision, summarise
-from sheath_manip.experiments.table import seeds_shown, table
+from sheath_manip.experiments.table import seeds_shown, table, with_interval
 from sheath_manip.metrics import mean_interval
 from sheath_manip.plan import LearningPlan
 from sheath_manip.results import write_json
@@ -189,3 +189,8 @@ def test_the_revision_says_whether_files_differ(tmp_path):
     assert git_revision(tmp_path) == clean
     (tmp_path / "code.py").write_text("")
     assert git_revision(tmp_path) == f"{clean}-dirty"
+
+
+def test_a_single_value_is_shown_without_an_interval():
+    assert with_interval(0.5, mean_interval(np.array([0.5]))) == "0.50"
+    assert "±" in with_interval(0.5, mean_interval(np.array([0.25, 0.75])))
