@@ -72,11 +72,12 @@ def nu_figure(task: str, found: Mapping[str, Any], path: Path) -> None:
         grid[1, 1].set_title("Policy alone, mean over all rounds (area)")
         for axes in grid[:, 0]:
             axes.set_ylabel("share of steps")
-            axes.set_ylim(bottom=0)
             percent_axis(axes)
         for axes in grid[:, 1]:
             axes.set_ylabel(name)
-            axes.set_ylim(bottom=0)
+        for axes in grid.flat:
+            # Room for a marker: values close to each other leave none of their own.
+            axes.set_ylim(0, 1.05 * axes.get_ylim()[1])
         legend_below(figure, grid[0, 0])
 
 
@@ -92,7 +93,6 @@ def _with_bars(
     low, high = np.array([entry["policy"]["ci95"][metric] for entry in rounds], float).T
     axes.vlines(number, low, high, color=look["color"], alpha=0.4, linewidth=2.2)
     axes.plot(number, values, **look)
-    axes.set_ylim(bottom=0)
 
 
 def _nu_axis(axes: Axes, nus: Sequence[float]) -> None:
