@@ -16,7 +16,7 @@ from sheath_manip.experiments.gates.plan import PLANS, GatesPlan
 from sheath_manip.experiments.gates.rows import BASELINES, default_name, rows
 from sheath_manip.experiments.gates.summary import pooled
 from sheath_manip.experiments.gates.table import tables
-from sheath_manip.policies import EMBEDDINGS, IMAGE_EMBEDDINGS
+from sheath_manip.policies import EMBEDDINGS, FEATURE_EMBEDDINGS, IMAGE_EMBEDDINGS
 from sheath_manip.support import SUPPORTS
 from tests.experiments.test_figures_generic import assert_shows_something
 from tests.toy import CORRIDOR, PLAN
@@ -174,7 +174,8 @@ def test_the_rows_are_the_product_of_the_tables_the_default_first():
 
 def test_on_a_task_without_images_embeddings_of_features_are_compared():
     learning = replace(TASK.plans["full"], embedding="features", precedent_embedding="features")
-    assert {row.plan.embedding for row in rows(GatesPlan(), learning)} == {"features"}
+    compared = {row.plan.embedding for row in rows(GatesPlan(), learning)}
+    assert compared == set(FEATURE_EMBEDDINGS)
 
 
 def test_unknown_names_and_tasks_without_probes_are_one_line(tmp_path):

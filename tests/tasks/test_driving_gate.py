@@ -12,7 +12,7 @@ from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.fitting import fit_gate
 from sheath_manip.gates import AlwaysExpert, SupportGate
 from sheath_manip.plan import LearningPlan
-from sheath_manip.policies import EMBEDDINGS, POLICIES, make_embedding
+from sheath_manip.policies import IMAGE_EMBEDDINGS, POLICIES, make_embedding
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.rollout import rollout
 from sheath_manip.signals import make_signal
@@ -69,7 +69,7 @@ def vectors(checkpoint: Checkpoint, samples: Samples) -> np.ndarray:
 
 
 @pytest.mark.parametrize("nu", [0.01, 0.05, 0.2, 0.5])
-@pytest.mark.parametrize("embedding", sorted(EMBEDDINGS))
+@pytest.mark.parametrize("embedding", sorted(IMAGE_EMBEDDINGS))
 def test_at_most_nu_of_the_training_states_lie_outside(embedding, nu, drive):
     fitted = make_embedding(embedding).fit(drive.policy, drive.states)
     points = fitted.transform(drive.states.images, drive.states.features)
