@@ -100,7 +100,8 @@ _FULL = replace(
 )
 # For how the support's size changes learning (the draft's section IV-B): the support alone, at its
 # own boundary. With the draft's c = .01 of the features nu would change nothing: no state is near
-# another one, and of new expert states 78 % are outside for any nu (one stage, two demonstrations).
+# another one, and of new expert states 78 % are outside for any nu (one stage, two demonstrations,
+# before its enemies were thinned out).
 # With a tenth of them 15 % are for nu = .01, and 49 % for .5.
 _NU = replace(
     _FULL,

@@ -26,8 +26,9 @@ _LOWEST, _HIGHEST = 2, 7
 _PIPE_TILES = 2
 _ENEMY_SHARES = 0.1, 0.2
 """of the flat stretches with an enemy: at difficulty 0, and more for each one above. At 1 a policy
-cloned from two demonstrations comes a quarter of the way and DAgger, in ten rounds, over half. With
-an enemy on every other stretch hardly any method learned, which tells none from another"""
+cloned from two demonstrations comes a third of the way, DAgger's half the way after ten rounds
+(50 stages). With an enemy on every other stretch all methods came less far: on six tuning stages
+DAgger's policies 76-86 tiles in place of 118, mean of ten rounds"""
 
 
 @dataclass(frozen=True)
