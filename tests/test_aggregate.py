@@ -1,7 +1,5 @@
 """Rounds of learning on the toy task: they resume to the bit and never learn from what judges."""
 
-import io
-import json
 import os
 import shutil
 import signal
@@ -14,15 +12,12 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
 from sheath_manip import aggregate
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SheathError
-from sheath_manip.experiments import learning
-from sheath_manip.experiments.learning import run_experiment
 from sheath_manip.metrics import expert_share
 from sheath_manip.policies import POLICIES
 from sheath_manip.policies.cnn import ConvPolicy
@@ -30,6 +25,7 @@ from sheath_manip.protocols import Listener
 from sheath_manip.results import round_results
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Purpose
+from tests.run_files import digests, measured
 from tests.toy import CORRIDOR, PLAN, Corridor
 
 SMALL = "small-cnn"
@@ -64,19 +60,6 @@ def learn(
     with single_threaded():
         for method in methods:
             learner(directory, listeners=listeners).run(method)
-
-
-def digests(directory: Path) -> dict[str, str]:
-    """Of all checkpoints."""
-    return {str(p.relative_to(directory)): digest(p) for p in sorted(directory.rglob("*.npz"))}
-
-
-def measured(directory: Path) -> dict[str, dict]:
-    """All results, but for the time they took."""
-    found = {}
-    for path in sorted(directory.rglob("round-*.json")):
-        found[str(path.relative_to(directory))] = json.loads(path.read_text()) | {"wall_s": None}
-    return found
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -351,90 +334,3 @@ def test_a_method_that_follows_one_that_stopped_stops_with_it(whole, tmp_path):
     # What random takeover meets where its own loss is not low enough yet.
     results = learner(tmp_path / "run").run("random-takeover")
     assert [result.round for result in results] == [0, 1]
-
-
-EXPERIMENT = replace(
-    PLAN,
-    policy="hog-svm",
-    signal="support",
-    embedding="pixels",
-    methods=("dagger", *METHODS),
-    demonstrations=2,
-    check=1,
-    rounds=1,
-    episodes=1,
-    held_out=1,
-    final=1,
-)
-
-
-def experiment(directory: Path, workers: int, plan=EXPERIMENT, **options) -> dict:
-    return run_experiment(
-        CORRIDOR,
-        plan,
-        runs=directory / "runs",
-        results=directory / "results",
-        command="none",
-        workers=workers,
-        console=Console(file=io.StringIO()),
-        **options,
-    )
-
-
-@pytest.fixture
-def _no_figures(monkeypatch) -> None:
-    monkeypatch.setattr(learning, "write_figures", lambda *_: [])
-
-
-@pytest.fixture(scope="module")
-def here(tmp_path_factory) -> Path:
-    """An experiment in this process."""
-    directory = tmp_path_factory.mktemp("here")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(learning, "write_figures", lambda *_: [])
-        experiment(directory, workers=0)
-    return directory
-
-
-def summary_of(directory: Path) -> dict:
-    """Without what depends on the time of day: others may commit while this runs."""
-    summary = json.loads((directory / "results" / "summary.json").read_text())
-    return summary | {"wall_s": None, "git": None}
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("_no_figures")
-def test_two_processes_give_the_numbers_of_one(here, tmp_path):
-    experiment(tmp_path, workers=2)
-    assert summary_of(tmp_path) == summary_of(here)
-    assert digests(tmp_path / "runs") == digests(here / "runs")
-    assert measured(tmp_path / "runs") == measured(here / "runs")
-
-
-@pytest.mark.usefixtures("_no_figures")
-def test_an_experiment_that_is_done_only_writes_its_summary_again(here, tmp_path):
-    shutil.copytree(here, tmp_path / "again")
-    (tmp_path / "again" / "results" / "summary.json").unlink()
-    before = digests(tmp_path / "again")
-    experiment(tmp_path / "again", workers=0)
-    assert summary_of(tmp_path / "again") == summary_of(here)
-    assert digests(tmp_path / "again") == before
-
-
-def test_another_plan_does_not_resume_a_run(here, tmp_path):
-    shutil.copytree(here, tmp_path / "run")
-    with pytest.raises(ParameterError, match="another nu, rounds;") as caught:
-        experiment(tmp_path / "run", 0, replace(EXPERIMENT, nu=0.1, rounds=2))
-    assert "\n" not in str(caught.value)
-    assert digests(tmp_path / "run") == digests(here)
-
-
-def test_a_follower_without_the_method_it_follows_is_refused(tmp_path):
-    with pytest.raises(ParameterError, match="add sheath to the methods"):
-        experiment(tmp_path, 0, replace(EXPERIMENT, methods=("random-takeover",)))
-    assert not (tmp_path / "runs").exists()
-
-
-def test_listeners_cannot_follow_into_processes(tmp_path):
-    with pytest.raises(ParameterError, match="wanted workers 0"):
-        experiment(tmp_path, 2, listeners=(Interrupter(),))

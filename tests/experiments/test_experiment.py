@@ -1,0 +1,104 @@
+"""A whole experiment on the toy task: its processes, its summary, and what it refuses."""
+
+import io
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.experiments import learning
+from sheath_manip.experiments.learning import run_experiment
+from tests.run_files import digests, measured
+from tests.toy import CORRIDOR, PLAN
+
+EXPERIMENT = replace(
+    PLAN,
+    policy="hog-svm",
+    signal="support",
+    embedding="pixels",
+    methods=("dagger", "sheath", "random-takeover"),
+    demonstrations=2,
+    check=1,
+    rounds=1,
+    episodes=1,
+    held_out=1,
+    final=1,
+)
+
+
+def experiment(directory: Path, workers: int, plan=EXPERIMENT, **options) -> dict:
+    return run_experiment(
+        CORRIDOR,
+        plan,
+        runs=directory / "runs",
+        results=directory / "results",
+        command="none",
+        workers=workers,
+        console=Console(file=io.StringIO()),
+        **options,
+    )
+
+
+@pytest.fixture
+def _no_figures(monkeypatch) -> None:
+    monkeypatch.setattr(learning, "write_figures", lambda *_: [])
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory) -> Path:
+    """An experiment in this process."""
+    directory = tmp_path_factory.mktemp("here")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(learning, "write_figures", lambda *_: [])
+        experiment(directory, workers=0)
+    return directory
+
+
+def summary_of(directory: Path) -> dict:
+    """Without what depends on the time of day: others may commit while this runs."""
+    summary = json.loads((directory / "results" / "summary.json").read_text())
+    return summary | {"wall_s": None, "git": None}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_no_figures")
+def test_two_processes_give_the_numbers_of_one(here, tmp_path):
+    experiment(tmp_path, workers=2)
+    assert summary_of(tmp_path) == summary_of(here)
+    assert digests(tmp_path / "runs") == digests(here / "runs")
+    assert measured(tmp_path / "runs") == measured(here / "runs")
+
+
+@pytest.mark.usefixtures("_no_figures")
+def test_an_experiment_that_is_done_only_writes_its_summary_again(here, tmp_path):
+    shutil.copytree(here, tmp_path / "again")
+    (tmp_path / "again" / "results" / "summary.json").unlink()
+    before = digests(tmp_path / "again")
+    experiment(tmp_path / "again", workers=0)
+    assert summary_of(tmp_path / "again") == summary_of(here)
+    assert digests(tmp_path / "again") == before
+
+
+def test_another_plan_does_not_resume_a_run(here, tmp_path):
+    shutil.copytree(here, tmp_path / "run")
+    with pytest.raises(ParameterError, match="another nu, rounds;") as caught:
+        experiment(tmp_path / "run", 0, replace(EXPERIMENT, nu=0.1, rounds=2))
+    assert "\n" not in str(caught.value)
+    assert digests(tmp_path / "run") == digests(here)
+
+
+def test_a_follower_without_the_method_it_follows_is_refused(tmp_path):
+    with pytest.raises(ParameterError, match="add sheath to the methods"):
+        experiment(tmp_path, 0, replace(EXPERIMENT, methods=("random-takeover",)))
+    assert not (tmp_path / "runs").exists()
+
+
+def test_listeners_cannot_follow_into_processes(tmp_path):
+    with pytest.raises(ParameterError, match="wanted workers 0"):
+        experiment(tmp_path, 2, listeners=(Recorder(EpisodeStore.create(tmp_path)),))
