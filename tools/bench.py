@@ -13,6 +13,8 @@ import numpy as np
 from sheath_manip.threads import single_threaded
 
 Sizes = TypeVar("Sizes")
+Clock = Callable[[], float]
+"""seconds since some moment"""
 
 
 @dataclass(frozen=True)
@@ -36,19 +38,23 @@ def at_most(value: float, bound: float, unit: str, how: str) -> Line:
     return Line(float(value), unit, f"<= {bound:g}", bool(value <= bound), how)
 
 
-def cpu_s(call: Callable[[], object], calls: int = 1) -> float:
-    """CPU seconds of a call, the mean of `calls` of them."""
-    start = time.process_time()
+def spent_s(call: Callable[[], object], calls: int = 1, clock: Clock = time.process_time) -> float:
+    """CPU seconds of a call, the mean of `calls` of them; or those of another clock."""
+    start = clock()
     for _ in range(calls):
         call()
-    return (time.process_time() - start) / calls
+    return (clock() - start) / calls
 
 
 def medians(
-    theirs: Callable[[], object], ours: Callable[[], object], rounds: int, calls: int = 1
+    theirs: Callable[[], object],
+    ours: Callable[[], object],
+    rounds: int,
+    calls: int = 1,
+    clock: Clock = time.process_time,
 ) -> list[float]:
-    """The median CPU seconds of a call of each side, which take turns."""
-    times = [[cpu_s(side, calls) for side in (theirs, ours)] for _ in range(rounds)]
+    """The median CPU seconds of a call of each side, which take turns; or another clock's."""
+    times = [[spent_s(side, calls, clock) for side in (theirs, ours)] for _ in range(rounds)]
     return np.median(times, axis=0).tolist()
 
 

@@ -21,7 +21,7 @@ from tasks.platformer.expert import PlatformerExpert
 from tasks.platformer.planner import Planner
 from tasks.platformer.stage import LENGTH_TILES
 from tasks.platformer.task import PlatformerTask, Scenario
-from tools.bench import Line, at_least, at_most, cpu_s, run_bench
+from tools.bench import Line, at_least, at_most, run_bench, spent_s
 
 FIRST_SEED = 50_000
 """of stages that no experiment and no tuning has seen"""
@@ -77,7 +77,7 @@ def expert_lines(sizes: Sizes) -> dict[str, Line]:
     ):
         player, progress, spent = Player(difficulty), [], []
         for seed in range(FIRST_SEED, FIRST_SEED + stages):
-            spent.append(cpu_s(lambda seed=seed, player=player: player.play(seed)))
+            spent.append(spent_s(lambda seed=seed, player=player: player.play(seed)))
             progress.append(player.environment.metrics()["progress"])
         player.environment.close()
         done = int(np.sum(np.array(progress) >= 1))
@@ -97,7 +97,7 @@ def plan_lines(sizes: Sizes) -> dict[str, Line]:
         planner.begin(player.task.stage)
         for action in actions:
             moment = player.task.moment
-            spent.append(cpu_s(lambda moment=moment: planner.plan(moment)))
+            spent.append(spent_s(lambda moment=moment: planner.plan(moment)))
             player.environment.step(action)
     player.environment.close()
     median, p95 = 1e3 * np.percentile(spent, [50, 95])
@@ -114,16 +114,17 @@ def step_lines(sizes: Sizes) -> dict[str, Line]:
     for seed in range(FIRST_SEED, FIRST_SEED + sizes.harder_stages):
         actions = player.play(seed)
         player.environment.reset(seed)
-        spent.append(cpu_s(lambda actions=actions: player.repeat(actions)) / len(actions))
+        spent.append(spent_s(lambda actions=actions: player.repeat(actions)) / len(actions))
     how = f"ComposerEnvironment.step, the expert's actions again, {len(spent)} episodes"
     step = at_most(1e6 * np.median(spent), 250, "µs", how)
     random_state, physics = np.random.RandomState(0), player.environment.physics
     laid = [
-        cpu_s(lambda: player.task.initialize_episode(physics, random_state))
+        spent_s(lambda: player.task.initialize_episode(physics, random_state))
         for _ in range(sizes.new_stages)
     ]
     reset = [
-        cpu_s(lambda seed=seed: player.environment.reset(seed)) for seed in range(sizes.new_stages)
+        spent_s(lambda seed=seed: player.environment.reset(seed))
+        for seed in range(sizes.new_stages)
     ]
     player.environment.close()
     how = f"the task's part of a reset, all of which is {1e3 * np.median(reset):.2f} ms"
