@@ -299,7 +299,7 @@ class TestLimits:
 
     def test_what_the_command_filter_changed_is_kept(self, store: EpisodeStore) -> None:
         name = store.append(self.limited())
-        assert zarr.open_group(store.path / name, mode="r")["limited"].shape == (2, 2)
+        assert zarr.open_array(store.path / name, path="limited", mode="r").shape == (2, 2)
         first, second = store.read(name, need_images=False).steps
         assert first.limited == (Limited("joint velocity", 0.25), Limited("workspace", 1.5))
         assert second.limited == ()
