@@ -36,6 +36,8 @@ class Stopping:
         self._grown = count[:, None] * self.most_jerk
         left = np.maximum(count[:, None] + 1 - count, 0)
         self._left = left[..., None] * self.most_jerk
+        most = np.minimum(self.most_change, self.most_jerk)
+        self._one_step = -most, most
         self._joints = np.arange(len(self.most_change))
 
     def changes(self, velocities: NDArray, last_changes: NDArray) -> NDArray[np.float64] | None:
@@ -43,6 +45,13 @@ class Stopping:
 
         `last_changes` are those that led to `velocities`. None where N steps do not suffice.
         """
+        # Most motions can be stopped in one step, and the rest takes ten times as long.
+        low = np.maximum(self._one_step[0], last_changes - self.most_jerk)
+        high = np.minimum(self._one_step[1], last_changes + self.most_jerk)
+        if ((low <= -velocities) & (-velocities <= high)).all():
+            changes = np.zeros((self.steps, len(velocities)))
+            changes[0] = -velocities
+            return changes
         # By the number of steps that the stop takes, by step, by joint.
         highest = np.minimum(np.minimum(self._left, self.most_change), last_changes + self._grown)
         lowest = np.maximum(np.maximum(-self._left, -self.most_change), last_changes - self._grown)
