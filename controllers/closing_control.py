@@ -22,10 +22,12 @@ class ClosingControl:
         `closed_m` is how far the fingers are closed; `grip` is -1 (open) .. 1 (closed), in between
         a width to hold.
         """
-        wished = 0.5 * (1.0 + float(np.clip(grip, -1.0, 1.0))) * self.opening_m
-        # A closed gripper squeezes on: the target goes past where the pads meet.
-        if grip >= 1.0:
-            wished += self.squeeze_m
+        share = 0.5 * (1.0 + float(np.clip(grip, -1.0, 1.0)))
+        wished = share * (self.opening_m + self.squeeze_m)
         step = self.speed_m_s * timestep_s
         led = float(np.clip(target_m, closed_m - self.squeeze_m, closed_m + self.squeeze_m))
         return float(np.clip(wished, led - step, led + step))
+
+    def holding_grip(self, closed_m: float) -> float:
+        """The grip that leaves the fingers where they are."""
+        return float(np.clip(2 * closed_m / (self.opening_m + self.squeeze_m) - 1, -1.0, 1.0))

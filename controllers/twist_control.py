@@ -28,7 +28,7 @@ class TwistControl:
         home_rad: Sequence[float],
         timestep_s: float,
     ) -> None:
-        """Take an arm that is alone in its `model`.
+        """Take an arm whose joints are the only ones of its `model`.
 
         `joint_speeds_rad_s` names its joints, all of `model`, in order, with their top speeds;
         `home_rad` is the posture preferred where a twist leaves a choice. Raises ParameterError.
@@ -37,20 +37,24 @@ class TwistControl:
         if names != list(joint_speeds_rad_s) or model.nq != len(home_rad):
             raise ParameterError(
                 f"joints {list(joint_speeds_rad_s)} with {len(home_rad)} home angles; "
-                f"the model has {names} and must hold the arm alone, each joint a hinge"
+                f"the model has {names} and must have the arm's joints alone, all hinges"
             )
         self.model = model
         self.timestep_s = timestep_s
-        self._configuration = mink.Configuration(model)
+        self.configuration = mink.Configuration(model)
         self._tool_site = tool_site
         self._tool = mink.FrameTask(tool_site, "site", position_cost=1.0, orientation_cost=0.3)
         self._posture = mink.PostureTask(model, cost=_POSTURE_COST)
         self._posture.set_target(np.array(home_rad, float))
-        self._limits: list[mink.Limit] = [
+        self._own_limits = (
             mink.ConfigurationLimit(model),
             mink.VelocityLimit(model, joint_speeds_rad_s),
-        ]
-        self._lower_rad, self._upper_rad = model.jnt_range.T.copy()
+        )
+        self.further_limits: tuple[mink.Limit, ...] = ()
+        """beside the joints' ranges and speeds"""
+        limited = model.jnt_limited.astype(bool)
+        self.lower_rad = np.where(limited, model.jnt_range[:, 0], -np.inf)
+        self.upper_rad = np.where(limited, model.jnt_range[:, 1], np.inf)
 
     def transform_tool_to_world(self, positions_rad: NDArray) -> NDArray[np.float64]:
         """(4, 4) pose of the tool (m) with the joints at (j,) `positions_rad`."""
@@ -75,18 +79,18 @@ class TwistControl:
         )
         try:
             rates = mink.solve_ik(
-                self._configuration,
+                self.configuration,
                 [self._tool, self._posture],
                 self.timestep_s,
                 solver="daqp",
                 damping=_DAMPING,
-                limits=self._limits,
+                limits=[*self._own_limits, *self.further_limits],
             )
         except mink.NoSolutionFound:
-            return self._configuration.q
-        return self._configuration.integrate(rates, self.timestep_s)
+            return self.configuration.q
+        return self.configuration.integrate(rates, self.timestep_s)
 
     def _pose(self, positions_rad: NDArray) -> mink.SE3:
-        inside = np.clip(np.asarray(positions_rad, np.float64), self._lower_rad, self._upper_rad)
-        self._configuration.update(inside)
-        return self._configuration.get_transform_frame_to_world(self._tool_site, "site")
+        inside = np.clip(np.asarray(positions_rad, np.float64), self.lower_rad, self.upper_rad)
+        self.configuration.update(inside)
+        return self.configuration.get_transform_frame_to_world(self._tool_site, "site")

@@ -1,5 +1,6 @@
 """Runs a robot in its scene by the action that policy, expert and person share."""
 
+import mujoco
 import numpy as np
 from dm_control import mjcf
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ TOP_SPEED_M_S = 0.25
 TOP_TURN_RAD_S = 1.5
 TWIST_SCALE = np.array([TOP_SPEED_M_S] * 3 + [TOP_TURN_RAD_S] * 3)
 """(6,) the twist (m/s, rad/s, world frame) that an action of ones commands"""
-_LEAD_RAD = 0.12
+LEAD_RAD = 0.12
 """how far a joint's target may lead the joint: an arm that something holds back must not store the
 way that it could not go"""
 
@@ -34,31 +35,57 @@ class RobotDrive:
         self.control = twist_control(robot.description, timestep_s)
         self._closing = ClosingControl(robot.description.opening_m)
 
-    def command(self, physics: mjcf.Physics, action: NDArray) -> None:
-        """Set the rates for (7,) `action`."""
-        robot = self._robot
-        action = np.asarray(action, np.float64)
-        positions = robot.joint_positions(physics)
-        targets = np.array(physics.bind(robot.servos).act)
-        start = np.clip(targets, positions - _LEAD_RAD, positions + _LEAD_RAD)
-        wanted = self.control.joint_targets(start, action[:6] * TWIST_SCALE)
-        physics.bind(robot.servos).ctrl = (wanted - targets) / self._timestep_s
+    def bind(self, physics: mjcf.Physics) -> None:
+        """Take note of where the robot is in a newly compiled model."""
+        robot, model = self._robot, physics.model.ptr
+        self._data: mujoco.MjData = physics.data.ptr
+        # Indices once: dm_control's bindings cost more at each access than the kinematics.
+        joints = np.atleast_1d(physics.bind(robot.joints).element_id)
+        self._qpos, self._qvel = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        self._servos = np.atleast_1d(physics.bind(robot.servos).element_id)
+        self._targets = model.actuator_actadr[self._servos]
         if robot.closing_servo is not None:
-            servo = physics.bind(robot.closing_servo)
-            now = float(servo.act)
-            closed = float(np.sum(physics.bind(robot.closing_joints).qpos))
-            wish = self._closing.target_m(now, closed, action[6], self._timestep_s)
-            servo.ctrl = (wish - now) / self._timestep_s
+            fingers = np.atleast_1d(physics.bind(robot.closing_joints).element_id)
+            self._finger_qpos, self._finger_qvel = (
+                model.jnt_qposadr[fingers],
+                model.jnt_dofadr[fingers],
+            )
+            self._closing_servo = int(physics.bind(robot.closing_servo).element_id)
+            self._closing_target = int(model.actuator_actadr[self._closing_servo])
 
-    def place(self, physics: mjcf.Physics, positions_rad: NDArray) -> None:
+    def positions_rad(self) -> NDArray[np.float64]:
+        """(j,) of the arm's joints."""
+        return self._data.qpos[self._qpos]
+
+    def targets_rad(self) -> NDArray[np.float64]:
+        """(j,) of the arm's servos, from which the next command starts."""
+        positions = self.positions_rad()
+        return np.clip(self._data.act[self._targets], positions - LEAD_RAD, positions + LEAD_RAD)
+
+    def closed_m(self) -> float:
+        """How far the gripper is closed."""
+        return float(self._data.qpos[self._finger_qpos].sum())
+
+    def pressed_m(self) -> float:
+        """How much farther its servo wants to close it."""
+        return float(self._data.act[self._closing_target]) - self.closed_m()
+
+    def command(self, action: NDArray) -> None:
+        """Set the rates for (7,) `action`."""
+        data, timestep_s = self._data, self._timestep_s
+        action = np.asarray(action, np.float64)
+        wanted = self.control.joint_targets(self.targets_rad(), action[:6] * TWIST_SCALE)
+        data.ctrl[self._servos] = (wanted - data.act[self._targets]) / timestep_s
+        if self._robot.closing_servo is not None:
+            now = float(data.act[self._closing_target])
+            wish = self._closing.target_m(now, self.closed_m(), float(action[6]), timestep_s)
+            data.ctrl[self._closing_servo] = (wish - now) / timestep_s
+
+    def place(self, positions_rad: NDArray) -> None:
         """Put the arm at rest at (j,) `positions_rad`, its gripper open."""
-        robot = self._robot
-        physics.bind(robot.joints).qpos = positions_rad
-        physics.bind(robot.joints).qvel = 0.0
-        physics.bind(robot.servos).act = positions_rad
-        physics.bind(robot.servos).ctrl = 0.0
-        if robot.closing_servo is not None:
-            physics.bind(robot.closing_joints).qpos = 0.0
-            physics.bind(robot.closing_joints).qvel = 0.0
-            physics.bind(robot.closing_servo).act = 0.0
-            physics.bind(robot.closing_servo).ctrl = 0.0
+        data = self._data
+        data.qpos[self._qpos] = data.act[self._targets] = positions_rad
+        data.qvel[self._qvel] = data.ctrl[self._servos] = 0.0
+        if self._robot.closing_servo is not None:
+            data.qpos[self._finger_qpos] = data.qvel[self._finger_qvel] = 0.0
+            data.act[self._closing_target] = data.ctrl[self._closing_servo] = 0.0

@@ -5,7 +5,7 @@ from typing import Any
 
 from dm_control import mjcf
 
-from tasks.robots.robot import ASSETS, RobotDescription
+from tasks.robots.robot import ASSETS, Footprint, RobotDescription
 
 _TOOL_MOUNT = "tool_mount"
 
@@ -30,8 +30,11 @@ ARM_JOINT_SPEEDS_RAD_S = {
     "wrist_yaw": 3.0,
     "wrist_roll": 3.0,
 }
-# The pinch at (.40, 0, .36) m, pitched down by 80 degrees.
+# The pinch at (.40, 0, .36) m, straight down.
 HOME_RAD = (0.0, -1.509, 1.857, 1.048, 0.0, 0.0)
+
+ARM_GEOMS = ("upper_arm", "forearm", "wrist_1", "wrist_2", "flange")
+JAW_FINGERS = ("jaw/left_finger", "jaw/left_pad", "jaw/right_finger", "jaw/right_pad")
 
 ARM_WITH_JAW = RobotDescription(
     build=build_arm_with_jaw,
@@ -42,5 +45,6 @@ ARM_WITH_JAW = RobotDescription(
     closing_servo="jaw/closing",
     closing_joints=("jaw/left_finger", "jaw/right_finger"),
     opening_m=0.092,
-    pads=("jaw/left_pad", "jaw/right_pad"),
+    footprints=(Footprint(0.057, 0.011, -0.035), Footprint(0.062, 0.018, 0.085)),
+    body_geoms=(*ARM_GEOMS, "jaw/palm", *JAW_FINGERS),
 )

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 from dm_control import composer, mjcf
 from numpy.typing import NDArray
@@ -14,6 +13,17 @@ from controllers.twist_control import TwistControl
 from sheath_manip.exceptions import ParameterError
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets" / "arm"
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """A rectangle across the tool's approach, around it."""
+
+    half_along_m: float
+    """the way that the fingers move"""
+    half_across_m: float
+    above_tool_m: float
+    """how far behind the tool's site it begins"""
 
 
 @dataclass(frozen=True)
@@ -36,8 +46,10 @@ class RobotDescription:
     """whose sum is how far it is closed (m)"""
     opening_m: float = 0.0
     """of the gripper at its widest"""
-    pads: tuple[str, ...] = ()
-    """geoms that hold the object"""
+    footprints: tuple[Footprint, ...] = ()
+    """what of the tool stands between objects when it points down"""
+    body_geoms: tuple[str, ...] = ()
+    """that may come near objects, the tool's among them"""
 
 
 class Robot(composer.Entity):
@@ -51,7 +63,6 @@ class Robot(composer.Entity):
         self.joints = [self._found("joint", name) for name in description.joint_speeds_rad_s]
         self.servos = [self._found("actuator", name) for name in description.servos]
         self.tool_site = self._found("site", description.tool_site)
-        self.pads = [self._found("geom", name) for name in description.pads]
         self.closing_joints = [self._found("joint", name) for name in description.closing_joints]
         closing = description.closing_servo
         self.closing_servo = None if closing is None else self._found("actuator", closing)
@@ -72,7 +83,7 @@ class Robot(composer.Entity):
         return element
 
 
-def kinematic_model(description: RobotDescription) -> mujoco.MjModel:
+def kinematic_root(description: RobotDescription) -> mjcf.RootElement:
     """The arm alone, its tool rigid (a gripper open): for inverse kinematics."""
     root: Any = description.build()
     for kind in ("actuator", "tendon", "equality", "contact"):
@@ -81,13 +92,16 @@ def kinematic_model(description: RobotDescription) -> mujoco.MjModel:
     for joint in root.find_all("joint"):
         if joint.full_identifier not in description.joint_speeds_rad_s:
             joint.remove()
-    return mjcf.Physics.from_mjcf_model(root).model.ptr
+    return root
 
 
-def twist_control(description: RobotDescription, timestep_s: float) -> TwistControl:
-    """The arm's control by twists of its tool."""
+def twist_control(
+    description: RobotDescription, timestep_s: float, root: mjcf.RootElement | None = None
+) -> TwistControl:
+    """The arm's control by twists of its tool; `root` is a `kinematic_root` with more in it."""
+    root = kinematic_root(description) if root is None else root
     return TwistControl(
-        kinematic_model(description),
+        mjcf.Physics.from_mjcf_model(root).model.ptr,
         description.tool_site,
         description.joint_speeds_rad_s,
         description.home_rad,
