@@ -94,3 +94,11 @@ class TwistControl:
         inside = np.clip(np.asarray(positions_rad, np.float64), self.lower_rad, self.upper_rad)
         self.configuration.update(inside)
         return self.configuration.get_transform_frame_to_world(self._tool_site, "site")
+
+
+def twist_between(before: NDArray, after: NDArray, timestep_s: float) -> NDArray[np.float64]:
+    """(6,) m/s and rad/s, world frame: what moves a tool from one (4, 4) pose to another."""
+    quaternion, turn = np.zeros(4), np.zeros(3)
+    mujoco.mju_mat2Quat(quaternion, (after[:3, :3] @ before[:3, :3].T).ravel())
+    mujoco.mju_quat2Vel(turn, quaternion, timestep_s)
+    return np.concatenate([(after[:3, 3] - before[:3, 3]) / timestep_s, turn])

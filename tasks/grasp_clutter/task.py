@@ -12,7 +12,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import Outcome, TaskSpec
+from sheath_manip.types import Commanded, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.grasp_clutter.guide import GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
@@ -20,6 +20,7 @@ from tasks.grasp_clutter.rehearsal import solvable
 from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
 from tasks.rendering import PyramidCamera
 from tasks.robots.drive import ACTION, RobotDrive
+from tasks.robots.filtering import command_filter
 from tasks.robots.own_arm import ARM_WITH_JAW
 from tasks.robots.robot import Robot, RobotDescription
 
@@ -45,6 +46,8 @@ class Scenario:
     robot: RobotDescription = ARM_WITH_JAW
     cameras: tuple[str, ...] = ("front", "shoulder", "wrist")
     time_limit_s: float = 15.0
+    command_filter: bool = True
+    """without one the arm does whatever it is told"""
 
 
 @dataclass
@@ -84,7 +87,13 @@ class GraspTask(SheathTask):
         self.robot = Robot(self.scenario.robot)
         self._arena.attach(self.robot)
         self._add_contact_sensor()
-        self.drive = RobotDrive(self.robot, CONTROL_TIMESTEP_S)
+        self.drive = RobotDrive(
+            self.robot,
+            CONTROL_TIMESTEP_S,
+            command_filter(self.scenario.robot, CONTROL_TIMESTEP_S)
+            if self.scenario.command_filter
+            else None,
+        )
         self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S)
         self._tally = Tally()
         self._scene: Scene | None = None
@@ -237,7 +246,7 @@ class GraspTask(SheathTask):
         }
 
     def memory(self) -> NDArray[np.float64]:
-        """(9,) the tally and where the tool was."""
+        """(m,) the tally, where the tool was, and what the drive remembers."""
         tally = self._tally
         return np.array(
             [
@@ -248,6 +257,7 @@ class GraspTask(SheathTask):
                 tally.path_m,
                 tally.impulse_n_s,
                 *self._tool_m,
+                *self.drive.memory(),
             ]
         )
 
@@ -262,7 +272,12 @@ class GraspTask(SheathTask):
             float(path),
             float(impulse),
         )
-        self._tool_m = memory[6:].copy()
+        self._tool_m = memory[6:9].copy()
+        self.drive.recall(memory[9:])
+
+    def commanded(self) -> Commanded | None:
+        """What the command filter made of the last action."""
+        return self.drive.commanded
 
     def _proprioception(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         tool = physics.data.ptr.site_xpos[self._tool]

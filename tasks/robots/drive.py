@@ -6,7 +6,9 @@ from dm_control import mjcf
 from numpy.typing import NDArray
 
 from controllers.closing_control import ClosingControl
-from sheath_manip.types import ActionSpec
+from controllers.command_filter import CommandFilter
+from controllers.twist_control import twist_between
+from sheath_manip.types import ActionSpec, Commanded, Limited
 from tasks.robots.robot import Robot, twist_control
 
 TOP_SPEED_M_S = 0.25
@@ -26,10 +28,24 @@ ACTION = ActionSpec(
 opens and 1 closes"""
 
 
-class RobotDrive:
-    """Turns an action into the servos' rates for one control step. It remembers nothing."""
+REACH = "reach"
+"""what the inverse kinematics took off: the joints cannot move the tool as wished"""
+_REACH_TOLERANCE = 0.02
+"""share of the fastest command; the posture that a twist leaves open costs less"""
 
-    def __init__(self, robot: Robot, timestep_s: float) -> None:
+
+class RobotDrive:
+    """Turns an action into the servos' rates for one control step.
+
+    It remembers nothing but the command filter, which may be None for an arm without one.
+    """
+
+    def __init__(
+        self, robot: Robot, timestep_s: float, command_filter: CommandFilter | None
+    ) -> None:
+        self.command_filter = command_filter
+        self.commanded: Commanded | None = None
+        """what became of the last action; None without a filter"""
         self._robot = robot
         self._timestep_s = timestep_s
         self.control = twist_control(robot.description, timestep_s)
@@ -75,6 +91,8 @@ class RobotDrive:
         data, timestep_s = self._data, self._timestep_s
         action = np.asarray(action, np.float64)
         wanted = self.control.joint_targets(self.targets_rad(), action[:6] * TWIST_SCALE)
+        if self.command_filter is not None:
+            wanted = self._filtered(action, wanted, self.command_filter)
         data.ctrl[self._servos] = (wanted - data.act[self._targets]) / timestep_s
         if self._robot.closing_servo is not None:
             now = float(data.act[self._closing_target])
@@ -84,8 +102,41 @@ class RobotDrive:
     def place(self, positions_rad: NDArray) -> None:
         """Put the arm at rest at (j,) `positions_rad`, its gripper open."""
         data = self._data
+        if self.command_filter is not None:
+            self.command_filter.reset(positions_rad)
         data.qpos[self._qpos] = data.act[self._targets] = positions_rad
         data.qvel[self._qvel] = data.ctrl[self._servos] = 0.0
         if self._robot.closing_servo is not None:
             data.qpos[self._finger_qpos] = data.qvel[self._finger_qvel] = 0.0
             data.act[self._closing_target] = data.ctrl[self._closing_servo] = 0.0
+
+    def memory(self) -> NDArray[np.float64]:
+        """(m,) of the command filter."""
+        return np.zeros(0) if self.command_filter is None else self.command_filter.memory()
+
+    def recall(self, memory: NDArray[np.float64]) -> None:
+        """Take over a `memory()`."""
+        if self.command_filter is not None:
+            self.command_filter.recall(memory)
+
+    def _filtered(
+        self, action: NDArray, wanted_rad: NDArray, command_filter: CommandFilter
+    ) -> NDArray[np.float64]:
+        """(j,) what the filter makes of the joint targets, and a note of it."""
+        before = self.control.transform_tool_to_world(command_filter.targets_rad)
+        reached = self._shares(before, wanted_rad)
+        missed = float(np.abs(reached - action[:6]).max())
+        admitted = command_filter.step(wanted_rad)
+        limited = admitted.limited
+        if missed > _REACH_TOLERANCE:
+            limited = tuple(sorted((*limited, Limited(REACH, missed))))
+        executed = action.astype(np.float32)
+        if limited:
+            executed[:6] = self._shares(before, admitted.targets_rad)
+        self.commanded = Commanded(executed, limited)
+        return admitted.targets_rad
+
+    def _shares(self, before: NDArray, targets_rad: NDArray) -> NDArray[np.float64]:
+        """(6,) of `TWIST_SCALE`: how the tool moves from a pose to that of (j,) `targets_rad`."""
+        after = self.control.transform_tool_to_world(targets_rad)
+        return twist_between(before, after, self._timestep_s) / TWIST_SCALE
