@@ -34,8 +34,12 @@ RANGE = "joint range"
 
 _HALVINGS = 4
 """of the way between a command that is admissible and one that is not"""
-_SLIDES = 3
-"""walls that a command may slide along at once: a corner has three"""
+_SLIDES = 6
+"""walls that a command may slide along at once: a corner of the workspace, a jaw on the table"""
+_OFF_WALL = 0.03
+"""of what leads along a wall, to lead off it"""
+_SWEEPS = 5
+"""of projections onto the walls, of which one may lead into the other"""
 _ROUNDING = 1e-9
 """rad/s, m/s: less is no change of a command"""
 _TINY = 1e-12
@@ -195,12 +199,14 @@ class CommandFilter:
         if refusal is None:
             return asked
         admitted = _Motion(self._motion.stop[0], _after(self._motion.stop))
-        admitted_wish, refused_wish, names = admitted.velocities, wish, set[str]()
+        admitted_wish, refused_wish = admitted.velocities, wish
+        names, walls = set[str](), list[NDArray]()
         for _ in range(_SLIDES):
             names.add(refusal.limit)
             if refusal.inwards is None:
                 break
-            slid = self._along(refusal.inwards, refused_wish)
+            walls.append(refusal.inwards)
+            slid = self._along(np.array(walls), wish)
             motion = self._reached(slid)
             refusal = self._refusal(motion)
             if refusal is None:
@@ -286,11 +292,19 @@ class CommandFilter:
                     return _Refusal(self.speed_cap.name, None)
         return None
 
-    def _along(self, inwards: NDArray, wish: NDArray) -> NDArray[np.float64]:
-        """`wish` without what leads against `inwards`, at the least change by joint speeds."""
-        weighted = inwards * self.joints.speeds_rad_s**2
-        against = min(0.0, float(inwards @ wish))
-        return wish - weighted * (against / max(float(inwards @ weighted), _TINY))
+    def _along(self, walls: NDArray, wish: NDArray) -> NDArray[np.float64]:
+        """`wish` without what leads into (w, j) `walls`, given by the ways out of them.
+
+        A wall is curved in the space of joints, so what leads along it must lead off it a little.
+        """
+        ways = walls * self.joints.speeds_rad_s
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), _TINY)
+        shares = wish / self.joints.speeds_rad_s
+        for off in (0.0, _OFF_WALL):
+            least = off * float(np.linalg.norm(shares))
+            for way in np.tile(ways, (_SWEEPS, 1)):
+                shares = shares + way * max(0.0, least - float(way @ shares))
+        return shares * self.joints.speeds_rad_s
 
     def _note(self, limit: str, before: NDArray, after: NDArray, taken: dict[str, float]) -> None:
         changed = np.abs(after - before)

@@ -138,9 +138,10 @@ class Workspace:
 
 
 def _pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
-    """Geoms of different links that are no neighbours; MuJoCo's own rule, the world included."""
+    """Geoms of different links that are no neighbours, as MuJoCo has it: the world is nobody's."""
     link = model.body_weldid[model.geom_bodyid]
     before = model.body_weldid[model.body_parentid[link]]
+    before = np.where(before == 0, -1, before)
     return [
         (first, second)
         for first in range(model.ngeom)
