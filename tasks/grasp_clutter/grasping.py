@@ -199,9 +199,7 @@ class GraspLaw:
         near = np.abs(relative).max(axis=1, initial=0.0) < 0.15
         for foot in self.footprints:
             rising = near & (state.outline_heights_m > height_m + foot.above_tool_m)
-            found = clearances(
-                relative[rising], yaws_rad, foot.half_along_m, foot.half_across_m
-            )
+            found = clearances(relative[rising], yaws_rad, foot.half_along_m, foot.half_across_m)
             rooms = np.minimum(rooms, found)
         return rooms
 
