@@ -1,5 +1,6 @@
 """Grasp the red target among standing objects and lift it; nothing may fall over."""
 
+import math
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -33,6 +34,7 @@ TOPPLING = 0.9
 LIFTED_M = 0.10
 LIFTED_STEPS = 10
 """for which the target must be up: half a second"""
+_PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
 _START_SPREAD_RAD = 0.06
 """of the arm's joints, about where it waits"""
 
@@ -59,7 +61,7 @@ class Tally:
     path_m: float = 0.0
     """that the tool has covered"""
     impulse_n_s: float = 0.0
-    """the largest that the robot has received in a control step from what it touches"""
+    """the largest change of a clutter object's momentum in a control step: how hard it was hit"""
 
 
 class TableArena(composer.Arena):
@@ -83,7 +85,6 @@ class GraspTask(SheathTask):
         self._arena = TableArena()
         self.robot = Robot(self.scenario.robot)
         self._arena.attach(self.robot)
-        self._add_contact_sensor()
         self.drive = RobotDrive(self.robot, CONTROL_TIMESTEP_S)
         self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S)
         self._tally = Tally()
@@ -117,6 +118,11 @@ class GraspTask(SheathTask):
         )
 
     @property
+    def physics_steps_per_control_step(self) -> int:
+        """One: composer's own loop costs a quarter of the physics; see `before_substep`."""
+        return 1
+
+    @property
     def root_entity(self) -> composer.Entity:
         """The arena."""
         return self._arena
@@ -134,11 +140,8 @@ class GraspTask(SheathTask):
 
     def after_compile(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Bind the parts to the model."""
-        model, data = physics.model.ptr, physics.data.ptr
-        self._pool = Pool(model)
+        self._pool = Pool(physics.model.ptr)
         self._tool = physics.bind(self.robot.tool_site).element_id
-        sensor = model.sensor("robot_force")
-        self._force = data.sensordata[sensor.adr[0] : sensor.adr[0] + 3]
         self.drive.bind(physics)
         # Composer looks at the observables before the first episode begins.
         rng = np.random.default_rng(0)
@@ -166,7 +169,7 @@ class GraspTask(SheathTask):
         self.drive.place(start_rad)
         mujoco.mj_forward(physics.model.ptr, physics.data.ptr)
         self._tool_m = physics.data.ptr.site_xpos[self._tool].copy()
-        self._impulse = np.zeros(3)
+        self._momenta = self._pool.momenta(physics.data.ptr)
 
     def situation(self, physics: mjcf.Physics) -> Situation:
         """Robot and objects as they are."""
@@ -187,11 +190,10 @@ class GraspTask(SheathTask):
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
         """Command the arm."""
         self.drive.command(action)
-        self._impulse[:] = 0.0
 
-    def after_substep(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
-        """Sum up what the robot feels."""
-        self._impulse += self._force
+    def before_substep(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
+        """All physics steps but the one that composer makes."""
+        mujoco.mj_step(physics.model.ptr, physics.data.ptr, _PHYSICS_STEPS - 1)
 
     def after_step(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Judge."""
@@ -207,10 +209,11 @@ class GraspTask(SheathTask):
         inside = (x > TABLE_X_M[0]) & (x < TABLE_X_M[1]) & (y > TABLE_Y_M[0]) & (y < TABLE_Y_M[1])
         fallen = (tilts > TOPPLING * self._tip_rad) | ~inside
         tally.toppled = max(tally.toppled, int(fallen.sum()))
-        tally.path_m += float(np.linalg.norm(data.site_xpos[self._tool] - self._tool_m))
-        self._tool_m = data.site_xpos[self._tool].copy()
-        impulse = float(np.linalg.norm(self._impulse)) * PHYSICS_TIMESTEP_S
-        tally.impulse_n_s = max(tally.impulse_n_s, impulse)
+        before_m, self._tool_m = self._tool_m, data.site_xpos[self._tool].copy()
+        tally.path_m += math.dist(before_m, self._tool_m)
+        before, self._momenta = self._momenta, self._pool.momenta(data)
+        squares = ((self._momenta - before)[1:] ** 2).sum(axis=1)
+        tally.impulse_n_s = max(tally.impulse_n_s, float(squares.max()) ** 0.5)
         tally.lifted_steps = tally.lifted_steps + 1 if positions[0, 2] > LIFTED_M else 0
         if tally.toppled:
             tally.outcome = Outcome.FAILURE
@@ -237,7 +240,7 @@ class GraspTask(SheathTask):
         }
 
     def memory(self) -> NDArray[np.float64]:
-        """(9,) the tally and where the tool was."""
+        """(9 + 3p,) the tally, where the tool was, the momenta of the pool."""
         tally = self._tally
         return np.array(
             [
@@ -248,6 +251,7 @@ class GraspTask(SheathTask):
                 tally.path_m,
                 tally.impulse_n_s,
                 *self._tool_m,
+                *self._momenta.ravel(),
             ]
         )
 
@@ -262,7 +266,8 @@ class GraspTask(SheathTask):
             float(path),
             float(impulse),
         )
-        self._tool_m = memory[6:].copy()
+        self._tool_m = memory[6:9].copy()
+        self._momenta = memory[9:].reshape(-1, 3).copy()
 
     def _proprioception(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         tool = physics.data.ptr.site_xpos[self._tool]
@@ -272,17 +277,6 @@ class GraspTask(SheathTask):
     def _start(self, rng: np.random.Generator) -> NDArray[np.float64]:
         home = np.array(self.scenario.robot.home_rad)
         return home + rng.uniform(-_START_SPREAD_RAD, _START_SPREAD_RAD, len(home))
-
-    def _add_contact_sensor(self) -> None:
-        root: Any = self._arena.mjcf_model
-        root.sensor.add(
-            "contact",
-            name="robot_force",
-            subtree1=self.robot.mjcf_model.find_all("body")[0],
-            num=1,
-            data="force",
-            reduce="netforce",
-        )
 
     def _camera_name(self, name: str) -> str:
         if name in ("front", "shoulder"):
