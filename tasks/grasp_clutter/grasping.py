@@ -1,9 +1,9 @@
 """The expert's law: where to move from any state. It knows no phases and remembers nothing.
 
-What to do is a field over the states: up where the jaw is low and beside the target, across where it
-is high, down where it is above the target, closing where the pads are around it, lifting where they
-press. All of it goes over into one another without a jump, so that labels of neighbouring states
-agree; what does not matter, such as a few degrees of yaw, is left as it is.
+What to do is a field over the states: up where the jaw is low and beside the target, across where
+it is high, down where it is above the target, closing where the pads are around it, lifting where
+they press. All of it goes over into one another without a jump, so that labels of neighbouring
+states agree; what does not matter, such as a few degrees of yaw, is left as it is.
 """
 
 from dataclasses import dataclass
@@ -110,7 +110,7 @@ class GraspLaw:
         deep = _ramp(depth - 0.01, 0.02)
         around = min(beside, deep, _ramp(0.020 - across, 0.008))
 
-        yaw_error, best_room = self._yaw_error(state, goal, grasp_m)
+        yaw_error, best_room = self._yaw_error(state, goal)
         tilt_turn = np.cross(state.tool_rotation[:, 0], [0.0, 0.0, -1.0])
         tilt = float(np.linalg.norm(tilt_turn))
 
@@ -172,8 +172,8 @@ class GraspLaw:
         way = way / max(float(np.linalg.norm(way)), 1e-6)
         return abs(float(way @ error[:2])), abs(float(way[0] * error[1] - way[1] * error[0]))
 
-    def _yaw_error(self, state: GraspState, goal: NDArray, grasp_m: float) -> tuple[float, float]:
-        """How to turn about the vertical to where there is room, by the least way; the most room."""
+    def _yaw_error(self, state: GraspState, goal: NDArray) -> tuple[float, float]:
+        """The least turn about the vertical to where there is room, and the most room."""
         way = state.tool_rotation[:2, 1]
         now = float(np.arctan2(way[1], way[0]))
         rooms = self._rooms(state, goal[:2], goal[2], _YAWS_RAD)

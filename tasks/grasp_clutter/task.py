@@ -1,5 +1,6 @@
 """Grasp the red target among standing objects and lift it; nothing may fall over."""
 
+import math
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,6 +35,7 @@ TOPPLING = 0.9
 LIFTED_M = 0.10
 LIFTED_STEPS = 10
 """for which the target must be up: half a second"""
+_PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
 _START_SPREAD_RAD = 0.06
 """of the arm's joints, about where it waits"""
 
@@ -62,7 +64,7 @@ class Tally:
     path_m: float = 0.0
     """that the tool has covered"""
     impulse_n_s: float = 0.0
-    """the largest that the robot has received in a control step from what it touches"""
+    """the largest change of a clutter object's momentum in a control step: how hard it was hit"""
 
 
 class TableArena(composer.Arena):
@@ -86,7 +88,6 @@ class GraspTask(SheathTask):
         self._arena = TableArena()
         self.robot = Robot(self.scenario.robot)
         self._arena.attach(self.robot)
-        self._add_contact_sensor()
         self.drive = RobotDrive(
             self.robot,
             CONTROL_TIMESTEP_S,
@@ -126,6 +127,11 @@ class GraspTask(SheathTask):
         )
 
     @property
+    def physics_steps_per_control_step(self) -> int:
+        """One: composer's own loop costs a quarter of the physics; see `before_substep`."""
+        return 1
+
+    @property
     def root_entity(self) -> composer.Entity:
         """The arena."""
         return self._arena
@@ -143,11 +149,8 @@ class GraspTask(SheathTask):
 
     def after_compile(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Bind the parts to the model."""
-        model, data = physics.model.ptr, physics.data.ptr
-        self._pool = Pool(model)
+        self._pool = Pool(physics.model.ptr)
         self._tool = physics.bind(self.robot.tool_site).element_id
-        sensor = model.sensor("robot_force")
-        self._force = data.sensordata[sensor.adr[0] : sensor.adr[0] + 3]
         self.drive.bind(physics)
         # Composer looks at the observables before the first episode begins.
         rng = np.random.default_rng(0)
@@ -175,7 +178,7 @@ class GraspTask(SheathTask):
         self.drive.place(start_rad)
         mujoco.mj_forward(physics.model.ptr, physics.data.ptr)
         self._tool_m = physics.data.ptr.site_xpos[self._tool].copy()
-        self._impulse = np.zeros(3)
+        self._momenta = self._pool.momenta(physics.data.ptr)
 
     def situation(self, physics: mjcf.Physics) -> Situation:
         """Robot and objects as they are."""
@@ -196,11 +199,10 @@ class GraspTask(SheathTask):
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
         """Command the arm."""
         self.drive.command(action)
-        self._impulse[:] = 0.0
 
-    def after_substep(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
-        """Sum up what the robot feels."""
-        self._impulse += self._force
+    def before_substep(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
+        """All physics steps but the one that composer makes."""
+        mujoco.mj_step(physics.model.ptr, physics.data.ptr, _PHYSICS_STEPS - 1)
 
     def after_step(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Judge."""
@@ -216,10 +218,11 @@ class GraspTask(SheathTask):
         inside = (x > TABLE_X_M[0]) & (x < TABLE_X_M[1]) & (y > TABLE_Y_M[0]) & (y < TABLE_Y_M[1])
         fallen = (tilts > TOPPLING * self._tip_rad) | ~inside
         tally.toppled = max(tally.toppled, int(fallen.sum()))
-        tally.path_m += float(np.linalg.norm(data.site_xpos[self._tool] - self._tool_m))
-        self._tool_m = data.site_xpos[self._tool].copy()
-        impulse = float(np.linalg.norm(self._impulse)) * PHYSICS_TIMESTEP_S
-        tally.impulse_n_s = max(tally.impulse_n_s, impulse)
+        before_m, self._tool_m = self._tool_m, data.site_xpos[self._tool].copy()
+        tally.path_m += math.dist(before_m, self._tool_m)
+        before, self._momenta = self._momenta, self._pool.momenta(data)
+        squares = ((self._momenta - before)[1:] ** 2).sum(axis=1)
+        tally.impulse_n_s = max(tally.impulse_n_s, float(squares.max()) ** 0.5)
         tally.lifted_steps = tally.lifted_steps + 1 if positions[0, 2] > LIFTED_M else 0
         if tally.toppled:
             tally.outcome = Outcome.FAILURE
@@ -246,7 +249,7 @@ class GraspTask(SheathTask):
         }
 
     def memory(self) -> NDArray[np.float64]:
-        """(m,) the tally, where the tool was, and what the drive remembers."""
+        """(m,) the tally, where the tool was, the momenta of the pool, what the drive remembers."""
         tally = self._tally
         return np.array(
             [
@@ -257,6 +260,7 @@ class GraspTask(SheathTask):
                 tally.path_m,
                 tally.impulse_n_s,
                 *self._tool_m,
+                *self._momenta.ravel(),
                 *self.drive.memory(),
             ]
         )
@@ -273,7 +277,9 @@ class GraspTask(SheathTask):
             float(impulse),
         )
         self._tool_m = memory[6:9].copy()
-        self.drive.recall(memory[9:])
+        end = 9 + self._momenta.size
+        self._momenta = memory[9:end].reshape(-1, 3).copy()
+        self.drive.recall(memory[end:])
 
     def commanded(self) -> Commanded | None:
         """What the command filter made of the last action."""
@@ -287,17 +293,6 @@ class GraspTask(SheathTask):
     def _start(self, rng: np.random.Generator) -> NDArray[np.float64]:
         home = np.array(self.scenario.robot.home_rad)
         return home + rng.uniform(-_START_SPREAD_RAD, _START_SPREAD_RAD, len(home))
-
-    def _add_contact_sensor(self) -> None:
-        root: Any = self._arena.mjcf_model
-        root.sensor.add(
-            "contact",
-            name="robot_force",
-            subtree1=self.robot.mjcf_model.find_all("body")[0],
-            num=1,
-            data="force",
-            reduce="netforce",
-        )
 
     def _camera_name(self, name: str) -> str:
         if name in ("front", "shoulder"):
