@@ -86,7 +86,7 @@ class Expert(Protocol):
 
 
 @runtime_checkable
-class TakesOver(Protocol):
+class TakesOver(Expert, Protocol):
     """An expert that keeps a pose of its own, such as a person's device, and must not jump."""
 
     def take_over(self, observation: Observation) -> None:
@@ -95,7 +95,7 @@ class TakesOver(Protocol):
 
 
 @runtime_checkable
-class Follows(Protocol):
+class Follows(Expert, Protocol):
     """An expert that must know the way that was travelled, also while the policy acts."""
 
     def follow(self, observation: Observation) -> None:

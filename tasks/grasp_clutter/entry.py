@@ -2,17 +2,38 @@
 
 from functools import partial
 
+from controllers.back_up import BackUp
+from controllers.hold import Hold
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.grasp_clutter.expert import GraspExpert
 from tasks.grasp_clutter.scene import EASY
-from tasks.grasp_clutter.task import GraspTask, Scenario
+from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
+from tasks.robots import stand_ins
+from tasks.robots.drive import RobotDrive
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
     """An environment of this task."""
     return ComposerEnvironment(GraspTask(scenario))
+
+
+def drive_of(environment: ComposerEnvironment) -> RobotDrive:
+    """Of the robot in it."""
+    if not isinstance(environment.task, GraspTask):
+        raise TypeError(f"wanted the environment of a GraspTask, got {environment.task!r}")
+    return environment.task.drive
+
+
+def hold(environment: ComposerEnvironment) -> Hold:
+    """Stands still."""
+    return stand_ins.hold(drive_of(environment))
+
+
+def back_up(environment: ComposerEnvironment) -> BackUp:
+    """Goes back by the way that the tool came."""
+    return stand_ins.back_up(drive_of(environment), CONTROL_TIMESTEP_S)
 
 
 GRASP_CLUTTER = TaskEntry(
@@ -25,6 +46,7 @@ GRASP_CLUTTER = TaskEntry(
         "easy": partial(make, Scenario(difficulty=EASY)),
     },
     expert=GraspExpert,
+    stand_ins={"hold": hold, "back-up": back_up},
     plans={
         "full": LearningPlan(),
         "quick": LearningPlan(

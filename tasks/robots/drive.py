@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from controllers.closing_control import ClosingControl
 from controllers.command_filter import CommandFilter
 from controllers.twist_control import twist_between
-from sheath_manip.types import ActionSpec, Commanded, Limited
+from sheath_manip.types import Action, ActionSpec, Commanded, Limited
 from tasks.robots.robot import Robot, twist_control
 
 TOP_SPEED_M_S = 0.25
@@ -26,10 +26,8 @@ ACTION = ActionSpec(
 )
 """velocity and angular velocity of the tool in the world frame as shares of `TWIST_SCALE`; grip -1
 opens and 1 closes"""
-
-
 REACH = "reach"
-"""what the inverse kinematics took off: the joints cannot move the tool as wished"""
+"""what was taken off because the joints cannot move the tool as wished, or are held back"""
 _REACH_TOLERANCE = 0.02
 """share of the fastest command; the posture that a twist leaves open costs less"""
 
@@ -99,6 +97,18 @@ class RobotDrive:
             now = float(data.act[self._closing_target])
             wish = self._closing.target_m(now, self.closed_m(), float(action[6]), timestep_s)
             data.ctrl[self._closing_servo] = (wish - now) / timestep_s
+
+    def rest(self) -> Action:
+        """(7,) the action that leaves arm and gripper as they are."""
+        action = np.zeros(7, np.float32)
+        if self._robot.closing_servo is not None:
+            # The target and not the fingers: what is held is pressed on.
+            action[6] = self._closing.holding_grip(float(self._data.act[self._closing_target]))
+        return action
+
+    def commanded_tool_pose(self) -> NDArray[np.float64]:
+        """(4, 4) of the tool, world frame, with the joints at their targets."""
+        return self.control.transform_tool_to_world(self._data.act[self._targets])
 
     def place(self, positions_rad: NDArray) -> None:
         """Put the arm at rest at (j,) `positions_rad`, its gripper open."""
