@@ -12,6 +12,7 @@ from tasks.grasp_clutter.scene import EASY
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
 from tasks.robots import stand_ins
 from tasks.robots.drive import RobotDrive
+from tasks.robots.jaco import JACO_WITH_JAW
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -44,6 +45,7 @@ GRASP_CLUTTER = TaskEntry(
         # Every seed is a new scene, so the default's are new ones as well.
         "final": partial(make, Scenario()),
         "easy": partial(make, Scenario(difficulty=EASY)),
+        "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },
     expert=GraspExpert,
     stand_ins={"hold": hold, "back-up": back_up},

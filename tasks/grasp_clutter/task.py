@@ -98,6 +98,8 @@ class GraspTask(SheathTask):
         self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S)
         self._tally = Tally()
         self._scene: Scene | None = None
+        self.laid_bodies = np.zeros(0, np.int64)
+        """(n,) of the scene's objects in the model, the target's first"""
         self.draws = 0
         """how many scenes have been drawn until one could be solved, this episode's included"""
         self.set_timesteps(CONTROL_TIMESTEP_S, PHYSICS_TIMESTEP_S)
@@ -174,7 +176,7 @@ class GraspTask(SheathTask):
         self._tip_rad = np.array([each.tip_angle_rad for each in scene.objects])
         self._pool.shape(scene)
         self._pool.place(physics.data.ptr, scene)
-        self._bodies = self._pool.laid_bodies
+        self.laid_bodies = self._pool.laid_bodies
         self.drive.place(start_rad)
         mujoco.mj_forward(physics.model.ptr, physics.data.ptr)
         self._tool_m = physics.data.ptr.site_xpos[self._tool].copy()
@@ -182,7 +184,7 @@ class GraspTask(SheathTask):
 
     def situation(self, physics: mjcf.Physics) -> Situation:
         """Robot and objects as they are."""
-        data, bodies = physics.data.ptr, self._bodies
+        data, bodies = physics.data.ptr, self.laid_bodies
         return Situation(
             joint_targets_rad=self.drive.targets_rad(),
             closed_m=self.drive.closed_m(),
@@ -194,7 +196,7 @@ class GraspTask(SheathTask):
 
     def tilts_rad(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         """(n,) of the scene's objects from upright, the target's first."""
-        return np.arccos(np.clip(physics.data.ptr.xmat[self._bodies, 8], -1.0, 1.0))
+        return np.arccos(np.clip(physics.data.ptr.xmat[self.laid_bodies, 8], -1.0, 1.0))
 
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
         """Command the arm."""
@@ -213,7 +215,7 @@ class GraspTask(SheathTask):
         tally = self._tally
         tilts = self.tilts_rad(physics)
         tally.tilt_rad = max(tally.tilt_rad, float(tilts.max()))
-        positions = data.xpos[self._bodies]
+        positions = data.xpos[self.laid_bodies]
         x, y = positions[:, 0], positions[:, 1]
         inside = (x > TABLE_X_M[0]) & (x < TABLE_X_M[1]) & (y > TABLE_Y_M[0]) & (y < TABLE_Y_M[1])
         fallen = (tilts > TOPPLING * self._tip_rad) | ~inside
