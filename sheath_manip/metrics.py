@@ -26,6 +26,8 @@ class EpisodeRecord:
     """changes of who acts"""
     interventions: int
     """runs of steps in which the expert acts, in an episode that has a policy"""
+    limited_steps: int = 0
+    """steps whose command a command filter changed"""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ def record_of(episode: Episode) -> EpisodeRecord:
         queries=sum(step.labelled is not None for step in episode.steps),
         switches=int(np.count_nonzero(np.diff(expert.astype(int)))),
         interventions=starts if has_policy else 0,
+        limited_steps=sum(bool(step.limited) for step in episode.steps),
     )
 
 
@@ -80,8 +83,17 @@ def figures_of(records: Sequence[EpisodeRecord]) -> Figures:
 
 def expert_share(records: Sequence[EpisodeRecord]) -> float:
     """Share of all steps in which the expert acted."""
+    return _share_of_steps(records, sum(record.expert_steps for record in records))
+
+
+def limited_share(records: Sequence[EpisodeRecord]) -> float:
+    """Share of all steps in which a command filter changed the command."""
+    return _share_of_steps(records, sum(record.limited_steps for record in records))
+
+
+def _share_of_steps(records: Sequence[EpisodeRecord], counted: int) -> float:
     steps = sum(record.steps for record in records)
-    return sum(record.expert_steps for record in records) / steps if steps else float("nan")
+    return counted / steps if steps else float("nan")
 
 
 def rate_interval(hits: int, count: int) -> tuple[float, float]:

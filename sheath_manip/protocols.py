@@ -1,7 +1,7 @@
 """The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +82,24 @@ class Expert(Protocol):
 
     def act(self, observation: Observation) -> Action:
         """(a,) what the expert would do now. Asked at most once a step."""
+        ...
+
+
+@runtime_checkable
+class TakesOver(Expert, Protocol):
+    """An expert that keeps a pose of its own, such as a person's device, and must not jump."""
+
+    def take_over(self, observation: Observation) -> None:
+        """Start from the present state: called at each change to the expert, before it is asked."""
+        ...
+
+
+@runtime_checkable
+class Follows(Expert, Protocol):
+    """An expert that must know the way that was travelled, also while the policy acts."""
+
+    def follow(self, observation: Observation) -> None:
+        """Look at the state at each step, before anyone acts."""
         ...
 
 

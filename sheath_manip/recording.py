@@ -7,7 +7,15 @@ from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.evaluation import Report
 from sheath_manip.gates import redrawing
-from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.protocols import (
+    Environment,
+    Expert,
+    Follows,
+    Gate,
+    Listener,
+    Policy,
+    TakesOver,
+)
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Purpose
@@ -24,6 +32,17 @@ class AskedOnce:
         """Forget the last episode."""
         self._last = None
         self.expert.reset()
+
+    def follow(self, observation: Observation) -> None:
+        """Pass on, where the expert wants to know."""
+        if isinstance(self.expert, Follows):
+            self.expert.follow(observation)
+
+    def take_over(self, observation: Observation) -> None:
+        """Pass on, where the expert wants to know; what it said before is no longer its answer."""
+        if isinstance(self.expert, TakesOver):
+            self._last = None
+            self.expert.take_over(observation)
 
     def act(self, observation: Observation) -> Action:
         """(a,) what the expert would do; the very same observation object is the same step."""

@@ -5,11 +5,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from sheath_manip.exceptions import ActionError, ParameterError
-from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.protocols import (
+    Environment,
+    Expert,
+    Follows,
+    Gate,
+    Listener,
+    Policy,
+    TakesOver,
+)
 from sheath_manip.types import (
     Action,
     ActionSpec,
     Actor,
+    Commanded,
     Episode,
     EpisodeInfo,
     GateDecision,
@@ -33,8 +42,11 @@ def rollout(
 
     The policy proposes, the gate decides who acts and whether a label is asked for, and the expert
     is asked at most once a step. A proposal that is no action (NaN, out of bounds) hands the step
-    to the expert. Raises ParameterError where the gate wants an expert or a policy that is not
-    there, and ActionError where the expert's own action is none.
+    to the expert. An expert that `Follows` sees every step, and one that `TakesOver` is told when
+    its turn begins: this is the one place in which a turn starts.
+
+    Raises ParameterError where the gate wants an expert or a policy that is not there, and
+    ActionError where the expert's own action is none.
     """
     observation = environment.reset(info.seed)
     gate.reset(rng)
@@ -44,22 +56,38 @@ def rollout(
         listener.on_start(environment, info)
 
     steps: list[Step] = []
+    acted: Actor | None = None
     terminated = truncated = False
     while not (terminated or truncated):
         state = environment.state()
+        if isinstance(expert, Follows):
+            expert.follow(observation)
         proposed = _proposal(policy, observation, environment.spec.action)
         decision = gate.decide(observation, proposed)
         if proposed is None and decision.actor is Actor.POLICY:
             decision = GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
         if policy is None and decision.reason is Reason.INVALID_PROPOSAL:
             raise ParameterError("the gate wants a policy, but the rollout was given none")
+        if decision.actor is Actor.EXPERT is not acted and isinstance(expert, TakesOver):
+            expert.take_over(observation)
+        acted = decision.actor
         labelled = None
         if decision.query or decision.actor is Actor.EXPERT:
             labelled = _label(expert, observation, environment.spec.action)
-        executed = labelled if decision.actor is Actor.EXPERT else proposed
-        assert executed is not None
-        transition = environment.step(executed)
-        step = Step(observation, state, proposed, labelled, decision, executed, transition.reward)
+        wished = labelled if decision.actor is Actor.EXPERT else proposed
+        assert wished is not None
+        transition = environment.step(wished)
+        commanded = transition.commanded or Commanded(wished)
+        step = Step(
+            observation,
+            state,
+            proposed,
+            labelled,
+            decision,
+            commanded.action,
+            transition.reward,
+            commanded.limited,
+        )
         steps.append(step)
         observation = transition.observation
         terminated, truncated = transition.terminated, transition.truncated

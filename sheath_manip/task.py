@@ -13,6 +13,9 @@ from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Probes
 from sheath_manip.protocols import Environment, Expert
 
+SCRIPTED = "scripted"
+"""the name of a task's own expert beside its stand-ins"""
+
 
 @dataclass(frozen=True)
 class TaskEntry:
@@ -26,6 +29,9 @@ class TaskEntry:
     """from the environment, since an expert may look at the physics"""
     plans: Mapping[str, LearningPlan]
     """`full` and `quick`"""
+    stand_ins: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
+    """by name, from the environment: who acts in the expert's place where there is none, such as
+    `hold`"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
     """by name, from the seed of a training run: all its episodes belong to one scene of the run's
     own, such as one stage, and their seeds choose what else may differ"""
@@ -43,6 +49,13 @@ class TaskEntry:
         if variant not in self.variants:
             raise UnknownNameError(f"variant of {self.name}", variant, self.variants)
         return self.variants[variant]()
+
+    def make_expert(self, environment: Environment, name: str = SCRIPTED) -> Expert:
+        """The expert, or who stands in for it by that name; raises UnknownNameError."""
+        experts = {SCRIPTED: self.expert, **self.stand_ins}
+        if name not in experts:
+            raise UnknownNameError(f"expert of {self.name}", name, experts)
+        return experts[name](environment)
 
     def make_for_run(self, variant: str, run_seed: int) -> Environment:
         """A new environment for the training run of that seed; raises UnknownNameError."""

@@ -135,6 +135,26 @@ class GateDecision:
     """the score below which the expert takes over; NaN where the gate has none"""
 
 
+@dataclass(frozen=True, order=True)
+class Limited:
+    """A limit of the command filter that changed a command."""
+
+    limit: str
+    """such as `joint velocity`; a step names each at most once"""
+    by: float
+    """how much it took off, as a share of the fastest command; more than 0"""
+
+
+@dataclass(frozen=True, eq=False)
+class Commanded:
+    """What became of an action on its way through a command filter."""
+
+    action: Action
+    """what was commanded in the end"""
+    limited: tuple[Limited, ...] = ()
+    """the limits that acted, sorted by name"""
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
     """One control step, as recorded."""
@@ -149,7 +169,16 @@ class Step:
     """what the expert would do, where it was asked"""
     decision: GateDecision
     executed: Action
+    """what was commanded: the action of who acts, after the command filter where there is one"""
     reward: float
+    limited: tuple[Limited, ...] = ()
+    """the limits of the command filter that acted, sorted by name"""
+
+    @property
+    def wished(self) -> Action:
+        """What who acted wanted: given to the environment, it runs the step again to the bit."""
+        wish = self.labelled if self.decision.actor is Actor.EXPERT else self.proposed
+        return self.executed if wish is None else wish
 
 
 @dataclass(frozen=True)
@@ -198,6 +227,8 @@ class Transition:
     reward: float
     terminated: bool
     truncated: bool
+    commanded: Commanded | None = None
+    """None where no command filter lies between the action and the physics"""
 
 
 @dataclass(frozen=True, eq=False)

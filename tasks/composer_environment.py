@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.types import (
     Action,
+    Commanded,
     Observation,
     Outcome,
     SceneGeom,
@@ -58,6 +59,10 @@ class SheathTask(composer.Task):
     @abstractmethod
     def recall(self, memory: NDArray[np.float64]) -> None:
         """Take over a `memory()`."""
+
+    def commanded(self) -> Commanded | None:
+        """What became of the last action; None where no command filter lies in its way."""
+        return None
 
     # The library's own type says that it always returns False.
     def should_terminate_episode(  # pyright: ignore[reportIncompatibleMethodOverride]
@@ -112,6 +117,7 @@ class ComposerEnvironment:
             float(time_step.reward or 0.0),
             terminated=terminated,
             truncated=not terminated and self._steps >= self.spec.max_steps,
+            commanded=self.task.commanded(),
         )
 
     def outcome(self) -> Outcome:

@@ -2,9 +2,11 @@
 
 from sheath_manip.task import TaskEntry
 from tasks.driving.entry import DRIVING
+from tasks.grasp_clutter.entry import GRASP_CLUTTER
 from tasks.platformer.entry import PLATFORMER
 
 TASKS: dict[str, TaskEntry] = {
     "driving": DRIVING,
+    "grasp-clutter": GRASP_CLUTTER,
     "platformer": PLATFORMER,
 }

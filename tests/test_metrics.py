@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,11 +8,12 @@ from sheath_manip.metrics import (
     EpisodeRecord,
     expert_share,
     figures_of,
+    limited_share,
     mean_interval,
     rate_interval,
     record_of,
 )
-from sheath_manip.types import Outcome
+from sheath_manip.types import Limited, Outcome
 from tests.episodes import episode_of
 
 
@@ -47,6 +49,15 @@ def test_queries_are_labels_whoever_acts():
 def test_a_demonstration_holds_no_intervention():
     counted = record_of(episode_of("eeee", policy=False))
     assert (counted.expert_steps, counted.interventions) == (4, 0)
+
+
+def test_limited_steps_are_counted_however_many_limits_acted():
+    episode = episode_of("pppp")
+    limited = ((), (Limited("a", 0.1),), (), (Limited("a", 0.1), Limited("b", 1.0)))
+    steps = (replace(s, limited=each) for s, each in zip(episode.steps, limited, strict=True))
+    counted = record_of(replace(episode, steps=tuple(steps)))
+    assert counted.limited_steps == 2
+    assert limited_share([counted, record_of(episode)]) == 0.25
 
 
 def test_a_record_keeps_scene_outcome_and_metrics():

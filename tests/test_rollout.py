@@ -1,6 +1,7 @@
 """The one loop, on the toy task."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -9,16 +10,20 @@ import pytest
 from sheath_manip.exceptions import ActionError, ParameterError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, Mixture, SupportGate
 from sheath_manip.protocols import Expert, Gate, Listener, Policy
+from sheath_manip.recording import AskedOnce
 from sheath_manip.rollout import rollout
 from sheath_manip.types import (
     Action,
     Actor,
+    Commanded,
     Episode,
     EpisodeInfo,
+    Limited,
     Observation,
     Outcome,
     Purpose,
     Reason,
+    Transition,
 )
 from tests.toy import CHOICES, Corridor, MiddleKeeper
 
@@ -253,3 +258,57 @@ def test_stored_states_replay_the_rest_to_the_bit(start):
     final = episode.final_observation
     np.testing.assert_array_equal(seen.images["above"], final.images["above"])
     assert other.outcome() is episode.outcome
+
+
+class Halved(Corridor):
+    """A corridor with a command filter: it halves every step aside."""
+
+    def step(self, action: Action) -> Transition:
+        half = (action / 2).astype(np.float32)
+        limited = (Limited("speed", float(abs(half[0]))),) if half[0] else ()
+        return replace(super().step(half), commanded=Commanded(half, limited))
+
+
+def test_what_a_command_filter_changed_is_in_the_step():
+    episode = run(
+        AlwaysPolicy(), Scripted(lambda index: CHOICES[1 + index % 2]), environment=Halved()
+    )
+    for index, step in enumerate(episode.steps):
+        np.testing.assert_array_equal(step.wished, CHOICES[1 + index % 2])
+        assert step.wished is step.proposed
+        np.testing.assert_array_equal(step.executed, CHOICES[1 + index % 2] / 2)
+        assert [each.limit for each in step.limited] == ["speed"] * (index % 2)
+
+
+def test_an_expert_is_told_of_each_of_its_turns_before_it_is_asked():
+    class Device(Scripted):
+        def __init__(self) -> None:
+            super().__init__(lambda _: CHOICES[1])
+            self.book: list[tuple[str, Observation]] = []
+
+        def follow(self, observation: Observation) -> None:
+            self.book.append(("follow", observation))
+
+        def take_over(self, observation: Observation) -> None:
+            self.book.append(("take over", observation))
+
+        def act(self, observation: Observation) -> Action:
+            self.book.append(("act", observation))
+            return super().act(observation)
+
+    # Asked for labels too, so that being asked does not tell it of its turn.
+    for device in (first := Device(), second := Device()):
+        expert = device if device is first else AskedOnce(device)
+        episode = run(Mixture(0.5), still(), expert)
+        wanted = []
+        before = None
+        for step in episode.steps:
+            wanted.append(("follow", step.observation))
+            if step.decision.actor is Actor.EXPERT is not before:
+                wanted.append(("take over", step.observation))
+            if step.labelled is not None:
+                wanted.append(("act", step.observation))
+            before = step.decision.actor
+        assert len([name for name, _ in wanted if name == "take over"]) > 1
+        assert device.book == wanted
+    assert len(second.book) == len(first.book)

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.hold import Hold
 from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Displacement, Probes
 from sheath_manip.task import TaskEntry
@@ -106,6 +107,11 @@ class MiddleKeeper:
         return CHOICES[1] if abs(side_m) < 0.15 else CHOICES[0 if side_m > 0 else 2]
 
 
+def hold(environment: Corridor) -> Hold:
+    del environment
+    return Hold(lambda: CHOICES[1])
+
+
 def make_long() -> Corridor:
     return Corridor(steps=24)
 
@@ -146,5 +152,6 @@ CORRIDOR = TaskEntry(
     variants={"default": Corridor, "final": make_long},
     expert=MiddleKeeper,
     plans={"full": PLAN, "quick": PLAN},
+    stand_ins={"hold": hold},
     probes=PROBES,
 )

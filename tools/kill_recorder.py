@@ -209,7 +209,8 @@ def _as_bits(episode: Episode) -> list[object]:
         actions = [bits(action) for action in (step.proposed, step.labelled, step.executed)]
         numbers = [bits(value) for value in (decision.score, decision.threshold, step.reward)]
         gate = [decision.actor, decision.query, decision.reason]
-        return [*seen(step.observation), bits(step.state), *actions, *numbers, *gate]
+        limits = [(each.limit, bits(each.by)) for each in step.limited]
+        return [*seen(step.observation), bits(step.state), *actions, *numbers, *gate, limits]
 
     return [
         episode.info,

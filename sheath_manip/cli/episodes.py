@@ -11,7 +11,13 @@ from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import redrawing
-from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, record_of
+from sheath_manip.metrics import (
+    EpisodeRecord,
+    expert_share,
+    figures_of,
+    limited_share,
+    record_of,
+)
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator
@@ -89,4 +95,6 @@ def print_figures(records: Sequence[EpisodeRecord], session: Session) -> None:
         low, high = figures.ci95[name]
         table.add_row(name, f"{mean:.3g}", f"{low:.3g} .. {high:.3g}")
     table.add_row("expert_share", f"{expert_share(records):.3g}", "")
+    if limited_share(records) > 0:
+        table.add_row("limited_share", f"{limited_share(records):.3g}", "")
     session.out.print(table)

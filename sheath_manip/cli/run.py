@@ -1,4 +1,4 @@
-"""`sheath run`: a policy under its gate, with the scripted expert to take over."""
+"""`sheath run`: a policy under its gate, with an expert or a stand-in to take over."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -6,12 +6,13 @@ from pathlib import Path
 from sheath_manip.cli.options import Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.seeding import scene_seed
+from sheath_manip.task import SCRIPTED
 from sheath_manip.types import EpisodeInfo, Purpose
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """Let a trained policy act inside its support, and the scripted expert outside."""
+    """Let a trained policy act inside its support, and the expert outside."""
 
     task: TaskName
     """name of the task, as `sheath tasks` lists it"""
@@ -25,6 +26,8 @@ class Run:
     """of the task"""
     store: Path | None = None
     """directory to record into; nothing is recorded without it"""
+    expert: str = SCRIPTED
+    """who takes over: the scripted one, or a stand-in that the task has, such as hold or back-up"""
     policy_alone: bool = False
     """without gate and expert"""
     dashboard: bool = False
@@ -46,6 +49,8 @@ class Run:
             spec = environment.spec
             checkpoint = load_checkpoint(self.checkpoint, spec)
             purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
+            expert = None if self.policy_alone else task.make_expert(environment, self.expert)
+            stand_in = "" if expert is None or self.expert == SCRIPTED else self.expert
             infos = [
                 EpisodeInfo(
                     task=spec.name,
@@ -53,7 +58,8 @@ class Run:
                     seed=scene_seed(purpose, "run", self.seed, index),
                     purpose=purpose,
                     control_rate_hz=spec.control_rate_hz,
-                    method=checkpoint.method or "run",
+                    # What a stand-in does is no demonstration, and must not be taken for one.
+                    method="-".join(filter(None, (checkpoint.method or "run", stand_in))),
                     round=checkpoint.round,
                     index=index,
                     run_seed=self.seed,
@@ -78,7 +84,7 @@ class Run:
                             release_margin=checkpoint.release_margin,
                         ),
                         policy=checkpoint.policy,
-                        expert=None if alone else task.expert(environment),
+                        expert=expert,
                         store=EpisodeStore.create(self.store) if self.store else None,
                         listeners=listeners,
                         report=report,

@@ -21,6 +21,8 @@ PLOT_AXIS = Axis(
     stroke=palette.css(palette.GREY),
     ticks={"show": False},
 )
+LIMITED_BAND = 0.06
+"""of the plot's height, along its lower edge"""
 CAMERA_WIDTH_PX = 220
 CAMERA_MARGIN_PX = 15
 NO_PLANE = "This task has no natural plane to draw its support in."
@@ -39,6 +41,7 @@ class Panel:
         self._trouble = gui.add_html("", visible=False)
         self._banner = gui.add_html(_banner(None, None))
         self._facts = gui.add_html("")
+        self._limited = gui.add_html("", visible=False)
         self._counts = gui.add_html("")
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray")
 
@@ -50,7 +53,7 @@ class Panel:
         gui.add_html(_caption("Support score", "threshold dashed, expert's turns shaded"))
         self._no_score = gui.add_html(_note("This gate computes no score."))
         self._scores = gui.add_uplot(
-            (np.zeros(1),) * 4,
+            (np.zeros(1),) * len(Scored._fields),
             (
                 {"label": "seconds from now"},
                 {"label": "score", "stroke": palette.css(palette.INK), "width": 2},
@@ -64,6 +67,13 @@ class Panel:
                     "label": "expert acts",
                     "scale": "expert",
                     "fill": palette.css(palette.ACTOR[Actor.EXPERT]) + "50",
+                    "width": 0,
+                    "points": {"show": False},
+                },
+                {
+                    "label": "command limited",
+                    "scale": "expert",
+                    "fill": palette.css(palette.LIMITED),
                     "width": 0,
                     "points": {"show": False},
                 },
@@ -101,6 +111,9 @@ class Panel:
         self._banner.content = _banner(figures.decision, figures.outcome)
         self._facts.content = _facts(figures, self._spec)
         self._counts.content = _counts(figures)
+        # The text first: an empty box would be seen for a moment otherwise.
+        self._limited.content = _limited(figures)
+        self._limited.visible = figures.series.limited_steps > 0
 
     def show_scores(self, scores: Sequence[Scored]) -> None:
         """Plot the latest steps."""
@@ -109,6 +122,7 @@ class Panel:
         self._scores.visible, self._no_score.visible = scored, not scored
         if scored:
             columns[0] -= columns[0, -1]
+            columns[Scored._fields.index("limited")] *= LIMITED_BAND
             self._scores.data = tuple(np.ascontiguousarray(column) for column in columns)
 
     def show_support(self, picture: NDArray[np.uint8], trained: bool) -> None:
@@ -175,6 +189,21 @@ def _facts(figures: Figures, spec: TaskSpec) -> str:
     return (
         f'<div style="{_TEXT}">{escape(" · ".join(filter(None, where)))}<br>{now}'
         f'<span style="opacity:.6"> · scene {info.seed}</span></div>'
+    )
+
+
+def _limited(figures: Figures) -> str:
+    """What the command filter did to the latest step, and how often it did anything."""
+    now = " · ".join(f"{escape(each.limit)} {each.by:.0%}" for each in figures.limited)
+    counted = " · ".join(
+        f"{share.limited_share:.0%} of {name}"
+        for name, share in (("this episode", figures.episode), ("all", figures.series))
+    )
+    colour = palette.css(palette.LIMITED) if now else "transparent"
+    return (
+        f'<div style="{_TEXT};border-left:4px solid {colour};padding-left:.5em">'
+        f"<b>Command limited</b> {now or 'not now'}<br>"
+        f'<span style="opacity:.6">{counted}</span></div>'
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Outcome, Reason, Step
+from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Limited, Outcome, Reason, Step
 
 HISTORY_STEPS = 300
 
@@ -18,6 +18,8 @@ class Scored(NamedTuple):
     threshold: float
     expert_acts: float
     """1 or 0"""
+    limited: float = 0.0
+    """1 where a command filter changed the command, else 0"""
 
 
 @dataclass(frozen=True)
@@ -28,18 +30,26 @@ class Share:
     expert_steps: int = 0
     interventions: int = 0
     """runs of consecutive expert steps while a policy is present"""
+    limited_steps: int = 0
+    """steps whose command a command filter changed"""
 
     @property
     def expert_share(self) -> float:
         """0..1, and 0 before the first step."""
         return self.expert_steps / max(self.steps, 1)
 
-    def after(self, expert_acts: bool, intervention_begins: bool) -> "Share":
+    @property
+    def limited_share(self) -> float:
+        """0..1, and 0 before the first step."""
+        return self.limited_steps / max(self.steps, 1)
+
+    def after(self, expert_acts: bool, intervention_begins: bool, limited: bool) -> "Share":
         """Return the counts with one more step."""
         return Share(
             self.steps + 1,
             self.expert_steps + expert_acts,
             self.interventions + intervention_begins,
+            self.limited_steps + limited,
         )
 
 
@@ -54,6 +64,8 @@ class Figures:
     """of the episodes of the series that have ended"""
     decision: GateDecision | None = None
     """the latest of this episode"""
+    limited: tuple[Limited, ...] = ()
+    """what the command filter changed in that step"""
     outcome: Outcome | None = None
     """of this episode, once it has ended"""
 
@@ -94,14 +106,22 @@ class Tally:
         has_policy = step.proposed is not None or decision.reason is Reason.INVALID_PROPOSAL
         begins = expert_acts and has_policy and not self._expert_acted
         self._expert_acted = expert_acts
+        limited = bool(step.limited)
         self.scores.append(
-            Scored(step.observation.time_s, decision.score, decision.threshold, float(expert_acts))
+            Scored(
+                step.observation.time_s,
+                decision.score,
+                decision.threshold,
+                float(expert_acts),
+                float(limited),
+            )
         )
         self._figures = replace(
             figures,
-            episode=figures.episode.after(expert_acts, begins),
-            series=figures.series.after(expert_acts, begins),
+            episode=figures.episode.after(expert_acts, begins, limited),
+            series=figures.series.after(expert_acts, begins, limited),
             decision=decision,
+            limited=step.limited,
         )
 
     def end(self, outcome: Outcome) -> None:

@@ -49,6 +49,9 @@ class Header:
     """what the codes in the array `actor` stand for"""
     reasons: tuple[Reason, ...]
     """what the codes in the array `reason` stand for"""
+    limits: tuple[str, ...]
+    """the columns of the array `limited`, sorted: limits of the command filter that acted; episodes
+    of before there was one have none"""
     versions: Mapping[str, str]
     """of the packages that wrote it"""
     recorded_utc: str
@@ -83,6 +86,7 @@ def header_of(episode: Episode) -> Header:
         queries=sum(bool(step.decision.query) for step in episode.steps),
         actors=tuple(Actor),
         reasons=tuple(Reason),
+        limits=tuple(sorted({each.limit for step in episode.steps for each in step.limited})),
         versions={name: _version(name) for name in _PACKAGES},
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
     )
@@ -185,6 +189,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         queries=int(attributes["queries"]),
         actors=tuple(Actor(value) for value in attributes["actors"]),
         reasons=tuple(Reason(value) for value in attributes["reasons"]),
+        limits=tuple(str(value) for value in attributes.get("limits", ())),
         versions={name: str(value) for name, value in attributes["versions"].items()},
         recorded_utc=str(attributes["recorded_utc"]),
     )

@@ -8,13 +8,17 @@
 | `state` | (T, s) float64 | simulator state before the action |
 | `proposed` | (T, a) float32 | by the policy; NaN where `has_proposed` is false |
 | `labelled` | (T, a) float32 | by the expert; NaN where `has_labelled` is false |
-| `executed` | (T, a) float32 | what was done |
+| `executed` | (T, a) float32 | what was commanded, after the command filter where there is one |
 | `actor`, `reason` | (T,) uint8 | place in the attributes `actors`, `reasons` |
 | `intervention` | (T,) bool | the expert acts in an episode that a policy was to drive |
 | `query` | (T,) bool | the gate asked for a label |
 | `score`, `threshold` | (T,) float64 | of the support; NaN where the gate has none |
 | `reward` | (T,) float64 | of the executed action |
+| `limited` | (T, l) float64 | by how much each limit changed the command; NaN where it did not |
 | `final/...` | no T | `images/CAMERA`, `features`, `time_s`, `state` after the last action |
+
+The columns of `limited` are the attribute `limits`; where no limit acted in the whole episode there
+is neither.
 
 A policy was to drive an episode if it proposed an action in any step, or if the episode names the
 checkpoint that drove it; a plain demonstration therefore has no intervention.
@@ -56,6 +60,7 @@ def layout(header: Header) -> list[ArraySpec]:
         ("time_s", (), "float64"),
         ("state", (header.state_size,), "float64"),
     ]
+    limited = [("limited", (len(header.limits),), "float64")] if header.limits else []
     step = [
         *observation,
         *(
@@ -65,6 +70,7 @@ def layout(header: Header) -> list[ArraySpec]:
         *((name, (), "bool") for name in ("has_proposed", "has_labelled", "intervention", "query")),
         *((name, (), "uint8") for name in ("actor", "reason")),
         *((name, (), "float64") for name in ("score", "threshold", "reward")),
+        *limited,
     ]
     return [
         *(ArraySpec(name, (header.length, *shape), dtype) for name, shape, dtype in step),

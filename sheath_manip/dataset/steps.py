@@ -1,5 +1,6 @@
 """How the steps of an episode become arrays, and the arrays steps again."""
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -10,7 +11,15 @@ from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import Arrays, layout
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Action, Actor, Episode, GateDecision, Observation, Step
+from sheath_manip.types import (
+    Action,
+    Actor,
+    Episode,
+    GateDecision,
+    Limited,
+    Observation,
+    Step,
+)
 
 
 def arrays_of(episode: Episode, header: Header) -> Arrays:
@@ -50,6 +59,7 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
             "score": np.array([decision.score for decision in decisions], np.float64),
             "threshold": np.array([decision.threshold for decision in decisions], np.float64),
             "reward": np.array([step.reward for step in steps], np.float64),
+            **({"limited": _limited(episode, header)} if header.limits else {}),
             **{
                 f"final/images/{camera}": np.asarray(final.images[camera])
                 for camera in header.cameras
@@ -81,6 +91,7 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
     scores, thresholds = arrays["score"].tolist(), arrays["threshold"].tolist()
     queries, rewards = arrays["query"].tolist(), arrays["reward"].tolist()
     times_s = arrays["time_s"].tolist()
+    limited = arrays["limited"].tolist() if header.limits else [[]] * header.length
     steps = tuple(
         Step(
             observation=Observation(
@@ -100,6 +111,11 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
             ),
             executed=arrays["executed"][t],
             reward=rewards[t],
+            limited=tuple(
+                Limited(limit, by)
+                for limit, by in zip(header.limits, limited[t], strict=True)
+                if not math.isnan(by)
+            ),
         )
         for t in range(header.length)
     )
@@ -139,6 +155,15 @@ def not_finite(arrays: Arrays) -> list[str]:
     labelled = arrays["labelled"][arrays["has_labelled"]]
     actions = {"executed": arrays["executed"], "labelled": labelled}
     return [name for name, action in actions.items() if not np.isfinite(action).all()]
+
+
+def _limited(episode: Episode, header: Header) -> NDArray[np.float64]:
+    """(T, l) with NaN where a limit did not act."""
+    by = np.full((len(episode), len(header.limits)), np.nan)
+    for row, step in zip(by, episode.steps, strict=True):
+        for each in step.limited:
+            row[header.limits.index(each.limit)] = each.by
+    return by
 
 
 def _filled(actions: Iterable[Action | None], size: int) -> NDArray[np.float32]:

@@ -88,6 +88,15 @@ def test_run_records_where_a_store_is_given(sheath, made, tmp_path):
     assert all(step.labelled is not None for episode in episodes for step in episode.steps)
 
 
+def test_run_with_a_stand_in_is_kept_apart_from_the_experts(sheath, made, tmp_path):
+    argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 1)
+    assert sheath(*argv, "--expert", "hold", "--store", tmp_path / "store")[0] == 0
+    (episode,) = EpisodeStore(tmp_path / "store").episodes()
+    assert episode.info.method.endswith("-hold")
+    labels = {float(step.labelled[0]) for step in episode.steps if step.labelled is not None}
+    assert labels == {0.0}
+
+
 def test_run_of_the_policy_alone_asks_no_expert(sheath, made, tmp_path):
     argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 1)
     assert sheath(*argv, "--policy-alone", "--store", tmp_path / "store")[0] == 0

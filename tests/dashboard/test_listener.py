@@ -14,7 +14,7 @@ from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Listener
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Step
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Limited, Outcome, Purpose, Step
 from tests.dashboard.conftest import TOKEN
 from tests.toy import CORRIDOR, PLAN, Corridor
 from tests.waiting import DEADLINE_S, eventually
@@ -210,6 +210,28 @@ def test_tally_counts_interventions_and_outcomes(episode: Episode) -> None:
     assert figures.series.steps == 2 * len(expert)
     assert figures.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
     assert len(tally.scores) == len(expert)
+
+
+def test_limited_commands_are_told_and_counted(dashboard: Dashboard, episode: Episode) -> None:
+    tally = Tally()
+    tally.start(episode.info)
+    panel = dashboard._page.panel
+    assert tally.figures is not None
+    panel.show_figures(tally.figures)
+    assert not panel._limited.visible
+    limited = (Limited("<b>speed</b>", 0.25), Limited("workspace", 0.5))
+    for number, step in enumerate(episode.steps[:8]):
+        tally.step(replace(step, limited=limited if number % 4 == 3 else ()))
+    assert tally.figures.episode.limited_share == tally.figures.series.limited_share == 0.25
+    assert [scored.limited for scored in tally.scores] == [0, 0, 0, 1] * 2
+    panel.show_figures(tally.figures)
+    panel.show_scores(tally.scores)
+    assert panel._limited.visible
+    assert "&lt;b&gt;speed&lt;/b&gt; 25% · workspace 50%" in panel._limited.content
+    assert "25% of this episode" in panel._limited.content
+    tally.step(episode.steps[8])
+    panel.show_figures(tally.figures)
+    assert "not now" in panel._limited.content
 
 
 def test_demonstration_is_no_intervention(episode: Episode) -> None:

@@ -17,6 +17,7 @@ from sheath_manip.types import (
     Episode,
     EpisodeInfo,
     GateDecision,
+    Limited,
     Observation,
     Outcome,
     Purpose,
@@ -30,6 +31,9 @@ finite_32 = st.floats(width=32, allow_nan=False, allow_infinity=False)
 any_text = st.text(max_size=12)
 # JSON tells no NaN from another.
 metric = st.floats(allow_nan=False) | st.just(float("nan"))
+limited = st.dictionaries(any_text, st.floats(allow_nan=False), max_size=3).map(
+    lambda by: tuple(Limited(*pair) for pair in sorted(by.items()))
+)
 camera_names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,8}", fullmatch=True)
 
 
@@ -66,6 +70,7 @@ def episodes(draw: st.DrawFn) -> Episode:
         decision,
         action,
         any_float,
+        limited,
     )
     info = st.builds(
         EpisodeInfo,

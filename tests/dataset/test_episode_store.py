@@ -1,3 +1,5 @@
+import json
+import shutil
 import subprocess
 import sys
 import threading
@@ -12,12 +14,13 @@ import zarr
 from sheath_manip.dataset import durable
 from sheath_manip.dataset import store as store_module
 from sheath_manip.dataset.check import check
+from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.naming import episode_name, is_episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
-from sheath_manip.types import Episode, EpisodeInfo, Purpose
+from sheath_manip.types import Episode, EpisodeInfo, Limited, Purpose
 from tests.waiting import DEADLINE_S
 from tools.kill_recorder import identical, synthetic_episode, synthetic_info
 
@@ -285,3 +288,33 @@ class TestReading:
             finally:
                 writer.kill()
         assert not [fault for fault in check(store) if fault.damaging]
+
+
+class TestLimits:
+    def limited(self) -> Episode:
+        episode = tiny(INFO)
+        first, second = episode.steps
+        changed = (Limited("joint velocity", 0.25), Limited("workspace", 1.5))
+        return replace(episode, steps=(replace(first, limited=changed), second))
+
+    def test_what_the_command_filter_changed_is_kept(self, store: EpisodeStore) -> None:
+        name = store.append(self.limited())
+        assert zarr.open_array(store.path / name, path="limited", mode="r").shape == (2, 2)
+        first, second = store.read(name, need_images=False).steps
+        assert first.limited == (Limited("joint velocity", 0.25), Limited("workspace", 1.5))
+        assert second.limited == ()
+
+    def test_an_episode_of_before_there_was_a_filter_opens(self, store: EpisodeStore) -> None:
+        name = store.append(tiny(INFO))
+        path = store.path / name / "zarr.json"
+        header = json.loads(path.read_text())
+        assert header["attributes"].pop("limits") == []
+        path.write_text(json.dumps(header))
+        assert not (store.path / name / "limited").exists()
+        assert identical(store.read(name), tiny(INFO))
+        assert check(store) == []
+
+    def test_a_lost_array_of_limits_is_a_fault(self, store: EpisodeStore) -> None:
+        name = store.append(self.limited())
+        shutil.rmtree(store.path / name / "limited")
+        assert [fault.kind for fault in check(store)] == [FaultKind.MISSING]

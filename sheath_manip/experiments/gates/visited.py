@@ -94,12 +94,12 @@ def visits(setting: Setting) -> list[Visit]:
 
 def _visit(episode: Episode, costly_regret: float) -> Visit:
     steps, samples = episode.steps, samples_from([episode])
-    executed = np.stack([step.executed for step in steps])
+    wished = np.stack([step.wished for step in steps])
     return Visit(
         samples,
         # A proposal that was no action has no regret: the expert acted.
         np.array([-step.decision.score > costly_regret for step in steps]),
-        (executed != samples.labels).any(axis=1),
+        (wished != samples.labels).any(axis=1),
         episode.outcome is Outcome.FAILURE,
     )
 

@@ -1,0 +1,317 @@
+"""Between whoever acts and the arm: every command is one after which the arm could still stop.
+
+Limits that are held one step at a time collide: the joint that may not pass its end may not brake
+that hard either. So the filter plans for it. Together with its command it keeps a stop, the joint
+velocities of the coming control steps down to rest, that was found to hold every limit at every
+step. A new command is admitted only if it holds them too and has such a stop of its own; if it has
+none, less of it is taken, and if nothing of it can be had the arm takes the next step of the stop
+that it keeps, whose rest is a stop again. It begins at rest, in a place that is admissible. By
+induction no limit is ever exceeded, and no two of them ever contradict each other. This is the
+recursive feasibility of model-predictive control, and what Wabersich and Zeilinger (2021) call a
+predictive safety filter, with the stop in closed form (`Stopping`) in place of an optimisation.
+
+What is limited is the command, at the control steps. The arm follows it with the error of its
+servos, so clearances are chosen larger than that.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from controllers.joint_limits import JointLimits
+from controllers.speed_cap import SpeedCap
+from controllers.stopping import Stopping
+from controllers.workspace import Workspace
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.types import Limited
+
+MALFORMED = "malformed command"
+SPEED = "joint speed"
+ACCELERATION = "joint acceleration"
+RANGE = "joint range"
+
+_HALVINGS = 4
+"""of the way between a command that is admissible and one that is not"""
+_SLIDES = 6
+"""walls that a command may slide along at once: a corner of the workspace, a jaw on the table"""
+_OFF_WALL = 0.03
+"""of what leads along a wall, to lead off it"""
+_SWEEPS = 5
+"""of projections onto the walls, of which one may lead into the other"""
+_ROUNDING = 1e-9
+"""rad/s, m/s: less is no change of a command"""
+_TINY = 1e-12
+"""rounding of sums of some ten numbers near 1"""
+
+
+@dataclass(frozen=True, eq=False)
+class Admitted:
+    """What is commanded for one control step."""
+
+    targets_rad: NDArray[np.float64]
+    """(j,) of the joints at its end"""
+    velocities_rad_s: NDArray[np.float64]
+    """(j,) during it"""
+    limited: tuple[Limited, ...]
+    """the limits that changed the command, sorted by name; by how much: the largest change of a
+    joint's velocity as a share of its top speed"""
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """A step and the stop that could follow it."""
+
+    velocities: NDArray[np.float64]
+    """(j,) of the step"""
+    stop: NDArray[np.float64]
+    """(N, j) of the steps after it; the last ones are zero"""
+
+
+@dataclass(frozen=True, eq=False)
+class _Refusal:
+    """Why a motion is not admitted."""
+
+    limit: str
+    inwards: NDArray[np.float64] | None
+    """(j,) the way out, where there is one to slide along"""
+
+
+class CommandFilter:
+    """Holds an arm's command within all its limits, whichever arm it is.
+
+    It remembers the command: `reset` starts it, and it goes on over any change of who acts, so that
+    a hand-over is a change of command like any other.
+    """
+
+    def __init__(
+        self,
+        joints: JointLimits,
+        timestep_s: float,
+        workspace: Workspace | None = None,
+        speed_cap: SpeedCap | None = None,
+    ) -> None:
+        """`timestep_s` is the control step. Raises ParameterError."""
+        if speed_cap is not None and workspace is None:
+            raise ParameterError("a speed cap without a workspace; wanted one, to know the tool")
+        self.joints = joints
+        self.timestep_s = timestep_s
+        self.workspace = workspace
+        self.speed_cap = speed_cap
+        self.stopping = Stopping(joints, timestep_s)
+        self._targets = np.full(len(joints.lower_rad), np.nan)
+        self._changes = np.zeros_like(self._targets)
+        self._rest()
+
+    @property
+    def targets_rad(self) -> NDArray[np.float64]:
+        """(j,) commanded last."""
+        return self._targets.copy()
+
+    @property
+    def velocities_rad_s(self) -> NDArray[np.float64]:
+        """(j,) commanded last."""
+        return self._motion.velocities.copy()
+
+    def reset(self, targets_rad: NDArray) -> None:
+        """Start at rest; raises ParameterError where (j,) `targets_rad` is not admissible."""
+        targets = np.array(targets_rad, np.float64)
+        lower, upper = self.joints.lower_rad, self.joints.upper_rad
+        if targets.shape != lower.shape or not ((targets >= lower) & (targets <= upper)).all():
+            raise ParameterError(
+                f"joints at {targets.tolist()}; wanted each in its range, {lower.tolist()} .. "
+                f"{upper.tolist()}"
+            )
+        breach = None if self.workspace is None else self.workspace.breach(targets)
+        if breach is not None:
+            raise ParameterError(f"{breach.what}; wanted a start within the limits")
+        self._targets = targets
+        self._rest()
+
+    def memory(self) -> NDArray[np.float64]:
+        """(m,) all that it remembers; of the same size always."""
+        motion = self._motion
+        return np.concatenate(
+            [self._targets, self._changes, motion.velocities, motion.stop.ravel()]
+        )
+
+    def recall(self, memory: NDArray[np.float64]) -> None:
+        """Take over a `memory()`."""
+        rows = np.array(memory, np.float64).reshape(-1, len(self._targets))
+        self._targets, self._changes = rows[0], rows[1]
+        self._motion = _Motion(rows[2], rows[3:])
+
+    def step(self, wished_targets_rad: ArrayLike) -> Admitted:
+        """What is commanded for a control step at whose end the joints were wished to be there.
+
+        Whatever is no (j,) finite number brings the arm to rest.
+        """
+        taken: dict[str, float] = {}
+        wish = self._well_formed(wished_targets_rad)
+        if wish is None:
+            taken[MALFORMED] = 1.0
+            wish = np.zeros_like(self._targets)
+        wish = self._slowed(wish, taken)
+        motion = self._placed(wish, taken)
+        self._changes = motion.velocities - self._motion.velocities
+        self._targets = self._path(motion)[0]
+        self._motion = motion
+        limited = tuple(Limited(*item) for item in sorted(taken.items()))
+        return Admitted(self.targets_rad, self.velocities_rad_s, limited)
+
+    def _rest(self) -> None:
+        still = np.zeros_like(self._targets)
+        self._changes = still
+        self._motion = _Motion(still, np.zeros((self.stopping.steps, len(still))))
+
+    def _well_formed(self, wished_targets_rad: ArrayLike) -> NDArray[np.float64] | None:
+        """(j,) velocities that are wished, rad/s."""
+        try:
+            wished = np.asarray(wished_targets_rad, np.float64)
+        except (TypeError, ValueError):
+            return None
+        if wished.shape != self._targets.shape:
+            return None
+        with np.errstate(over="ignore", invalid="ignore"):
+            velocities = (wished - self._targets) / self.timestep_s
+        return velocities if np.isfinite(velocities).all() else None
+
+    def _slowed(self, wish: NDArray, taken: dict[str, float]) -> NDArray[np.float64]:
+        """`wish` along the same way, no faster than joints, and tool where it is, may be."""
+        speed = float((np.abs(wish) / self.joints.speeds_rad_s).max())
+        slowed = wish / max(speed, 1.0)
+        self._note(SPEED, wish, slowed, taken)
+        if self.speed_cap is None or self.workspace is None:
+            return slowed
+        here = self.workspace.tool_position_m(self._targets)
+        there = self.workspace.tool_position_m(self._targets + slowed * self.timestep_s)
+        tool_speed = float(np.linalg.norm(there - here)) / self.timestep_s
+        most = self.speed_cap.most_m_s(here)
+        careful = slowed if tool_speed <= most else slowed * (most / tool_speed)
+        self._note(self.speed_cap.name, slowed, careful, taken)
+        return careful
+
+    def _placed(self, wish: NDArray, taken: dict[str, float]) -> _Motion:
+        """The motion nearest to `wish` that is found to hold all limits, with its stop."""
+        asked = self._reached(wish, taken)
+        refusal = self._refusal(asked)
+        if refusal is None:
+            return asked
+        admitted = _Motion(self._motion.stop[0], _after(self._motion.stop))
+        admitted_wish, refused_wish = admitted.velocities, wish
+        names, walls = set[str](), list[NDArray]()
+        for _ in range(_SLIDES):
+            names.add(refusal.limit)
+            if refusal.inwards is None:
+                break
+            walls.append(refusal.inwards)
+            slid = self._along(np.array(walls), wish)
+            motion = self._reached(slid)
+            refusal = self._refusal(motion)
+            if refusal is None:
+                admitted_wish, admitted = slid, motion
+                break
+            refused_wish = slid
+        for _ in range(_HALVINGS):
+            middle = (admitted_wish + refused_wish) / 2
+            motion = self._reached(middle)
+            if self._refusal(motion) is None:
+                admitted_wish, admitted = middle, motion
+            else:
+                refused_wish = middle
+        for name in names:
+            self._note(name, asked.velocities, admitted.velocities, taken)
+        return admitted
+
+    def _reached(self, wish: NDArray, taken: dict[str, float] | None = None) -> _Motion:
+        """The step towards `wish` that the joints' own limits admit, and its stop.
+
+        A joint that finds none takes the next step of the stop that is kept.
+        """
+        now, kept = self._motion.velocities, self._motion.stop
+        # To change to another velocity is to stop, seen from that velocity.
+        changes = self.stopping.changes(now - wish, self._changes)
+        wanted = kept[0] if changes is None else now + changes[0]
+        velocities, stop = kept[0], _after(kept)
+        admitted, refused = np.zeros_like(wish), np.ones_like(wish)
+        share = refused
+        for _ in range(1 + _HALVINGS):
+            tried = kept[0] + share * (wanted - kept[0])
+            tried_stop, holds = self._own_stop(tried)
+            velocities = np.where(holds, tried, velocities)
+            stop = np.where(holds, tried_stop, stop)
+            admitted = np.where(holds, share, admitted)
+            if admitted.min() == 1.0:
+                break
+            refused = np.where(holds, refused, share)
+            share = np.where(admitted == 1.0, 1.0, (admitted + refused) / 2)
+        if taken is not None:
+            self._note(ACCELERATION, wish, wanted, taken)
+            self._note(RANGE, wanted, velocities, taken)
+        return _Motion(velocities, stop)
+
+    def _own_stop(self, velocities: NDArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """(N, j) the stop after a step of (j,) `velocities`, and (j,) which joints hold limits."""
+        changes = self.stopping.changes(velocities, velocities - self._motion.velocities)
+        if changes is None:
+            return np.zeros_like(self._motion.stop), np.zeros(len(velocities), bool)
+        stop = velocities + np.cumsum(changes, axis=0)
+        stop[np.abs(stop) < _TINY] = 0.0
+        motion = _Motion(velocities, stop)
+        path, joints = self._path(motion), self.joints
+        fastest = np.maximum(np.abs(velocities), np.abs(stop).max(0))
+        holds = fastest <= joints.speeds_rad_s + _TINY
+        holds &= (path >= joints.lower_rad - _TINY).all(0)
+        holds &= (path <= joints.upper_rad + _TINY).all(0)
+        return stop, holds
+
+    def _path(self, motion: _Motion) -> NDArray[np.float64]:
+        """(1 + N, j) where the joints are after the step of `motion` and those of its stop."""
+        first = self._targets + motion.velocities * self.timestep_s
+        return np.concatenate(
+            [first[None], first + np.cumsum(motion.stop, axis=0) * self.timestep_s]
+        )
+
+    def _refusal(self, motion: _Motion) -> _Refusal | None:
+        """The first limit of the whole arm that `motion` or its stop would exceed."""
+        if self.workspace is None:
+            return None
+        path = self._path(motion)
+        # At rest nothing new comes up.
+        path = path[: 1 + int(np.count_nonzero(motion.stop.any(axis=1)))]
+        for positions in path:
+            breach = self.workspace.breach(positions)
+            if breach is not None:
+                return _Refusal(breach.limit, breach.inwards)
+        if self.speed_cap is not None:
+            points = [self.workspace.tool_position_m(q) for q in (self._targets, *path)]
+            for before, after in pairwise(points):
+                speed = float(np.linalg.norm(after - before)) / self.timestep_s
+                if speed > self.speed_cap.most_m_s(after) + _ROUNDING:
+                    return _Refusal(self.speed_cap.name, None)
+        return None
+
+    def _along(self, walls: NDArray, wish: NDArray) -> NDArray[np.float64]:
+        """`wish` without what leads into (w, j) `walls`, given by the ways out of them.
+
+        A wall is curved in the space of joints, so what leads along it must lead off it a little.
+        """
+        ways = walls * self.joints.speeds_rad_s
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), _TINY)
+        shares = wish / self.joints.speeds_rad_s
+        for off in (0.0, _OFF_WALL):
+            least = off * float(np.linalg.norm(shares))
+            for way in np.tile(ways, (_SWEEPS, 1)):
+                shares = shares + way * max(0.0, least - float(way @ shares))
+        return shares * self.joints.speeds_rad_s
+
+    def _note(self, limit: str, before: NDArray, after: NDArray, taken: dict[str, float]) -> None:
+        changed = np.abs(after - before)
+        if (changed > _ROUNDING).any():
+            taken[limit] = float((changed / self.joints.speeds_rad_s).max())
+
+
+def _after(stop: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What is left of a stop after its first step."""
+    return np.concatenate([stop[1:], np.zeros_like(stop[:1])])

@@ -1,0 +1,1 @@
+"""Grasping a target among standing objects without toppling any."""

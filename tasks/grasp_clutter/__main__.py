@@ -1,0 +1,8 @@
+"""`python -m tasks.grasp_clutter VERB`: the verbs of `sheath`, for this task."""
+
+import sys
+
+from tasks.command import task_main
+
+if __name__ == "__main__":
+    sys.exit(task_main("grasp-clutter"))

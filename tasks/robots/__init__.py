@@ -1,0 +1,1 @@
+"""Arms and tools, as any task may use them."""

@@ -1,0 +1,310 @@
+"""The command filter holds every limit, whatever it is told."""
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from controllers.command_filter import (
+    ACCELERATION,
+    MALFORMED,
+    RANGE,
+    SPEED,
+    Admitted,
+    CommandFilter,
+)
+from controllers.joint_limits import JointLimits
+from controllers.speed_cap import from_standing
+from controllers.workspace import Workspace
+from sheath_manip.exceptions import ParameterError
+from tasks.robots.filtering import command_filter
+from tasks.robots.own_arm import ARM_WITH_JAW
+
+TIMESTEP_S = 0.05
+ROUNDING = 1e-9
+HOME = np.array(ARM_WITH_JAW.home_rad)
+CAN = np.array([[0.5, 0.0, 0.0, 0.03, 0.12]])
+
+
+class Watched:
+    """Checks every limit at every step, from the commanded positions alone."""
+
+    def __init__(self, guard: CommandFilter, start: np.ndarray) -> None:
+        self.guard = guard
+        guard.reset(start)
+        self.targets = start
+        self.velocities = self.changes = np.zeros(len(start))
+
+    def step(self, wished: object) -> Admitted:
+        guard, joints = self.guard, self.guard.joints
+        before, velocities, changes = self.targets, self.velocities, self.changes
+        admitted = guard.step(wished)  # pyright: ignore[reportArgumentType]
+        self.targets = admitted.targets_rad
+        self.velocities = (self.targets - before) / TIMESTEP_S
+        self.changes = self.velocities - velocities
+        np.testing.assert_allclose(self.velocities, admitted.velocities_rad_s, atol=ROUNDING)
+        assert (self.targets >= joints.lower_rad - ROUNDING).all()
+        assert (self.targets <= joints.upper_rad + ROUNDING).all()
+        assert (np.abs(self.velocities) <= joints.speeds_rad_s + ROUNDING).all()
+        assert (np.abs(self.changes) <= guard.stopping.most_change + ROUNDING).all()
+        assert (np.abs(self.changes - changes) <= guard.stopping.most_jerk + ROUNDING).all()
+        workspace, cap = guard.workspace, guard.speed_cap
+        if workspace is not None:
+            tool = workspace.tool_position_m(self.targets)
+            assert (tool >= workspace.lower_m - ROUNDING).all()
+            assert (tool <= workspace.upper_m + ROUNDING).all()
+            assert workspace.distance_m(self.targets) >= workspace.clearance_m - ROUNDING
+            if cap is not None:
+                moved = np.linalg.norm(tool - workspace.tool_position_m(before))
+                assert moved / TIMESTEP_S <= cap.most_m_s(tool) + 1e-6
+        self.check_report(wished, before, admitted)
+        return admitted
+
+    def check_report(self, wished, before, admitted) -> None:
+        """A changed command is reported, and an unchanged one is not."""
+        acted = [each.limit for each in admitted.limited]
+        assert acted == sorted(set(acted))
+        assert all(each.by > 0 for each in admitted.limited)
+        usable = (
+            isinstance(wished, np.ndarray)
+            and wished.shape == before.shape
+            and bool((np.abs(wished) < 1e300).all())
+        )
+        assert (MALFORMED in acted) != usable
+        if usable:
+            changed = np.abs((wished - self.targets) / TIMESTEP_S).max()
+            if changed > 1e-8:
+                assert acted
+            elif changed < 1e-10:
+                assert not acted
+
+
+def names(admitted: Admitted) -> set[str]:
+    return {each.limit for each in admitted.limited}
+
+
+@pytest.fixture(scope="module")
+def arm() -> CommandFilter:
+    return command_filter(ARM_WITH_JAW, TIMESTEP_S)
+
+
+@pytest.fixture(scope="module")
+def careful_arm() -> CommandFilter:
+    """Knows of a can."""
+    return command_filter(ARM_WITH_JAW, TIMESTEP_S, from_standing(lambda: CAN))
+
+
+targets = arrays(np.float64, 6, elements=st.floats(-4, 4))
+steps = arrays(np.float64, 6, elements=st.floats(-0.3, 0.3))
+malformed = st.one_of(
+    st.none(),
+    st.just("left"),
+    st.just([0.0, 1.0]),
+    st.just(np.zeros((2, 6))),
+    arrays(np.float64, 6, elements=st.sampled_from([np.nan, np.inf, -np.inf, 1e308, -1e308])),
+)
+command = st.one_of(
+    st.tuples(st.just("to"), targets),
+    st.tuples(st.just("by"), steps),
+    st.tuples(st.just("raw"), malformed),
+)
+stretch = st.tuples(command, st.integers(1, 12))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(stretch, min_size=1, max_size=6))
+def test_any_commands_are_held_within_all_limits(arm, stretches):
+    watched = Watched(arm, HOME)
+    for (kind, value), count in stretches:
+        for _ in range(count):
+            watched.step(watched.targets + value if kind == "by" else value)
+
+
+def adversary(guard: CommandFilter, watched: Watched, rng: np.random.Generator, number: int):
+    """What most likely breaks a limit, changing its mind every few steps."""
+    joints = guard.joints
+    kind = number // 7 % 8
+    along = np.sign(watched.velocities) + (watched.velocities == 0)
+    corner = np.where(rng.random(6) < 0.5, joints.lower_rad, joints.upper_rad)
+    if kind == 0:
+        return watched.targets + rng.normal(size=6) * 0.2
+    if kind == 1:
+        return watched.targets + along
+    if kind == 2:
+        return watched.targets + (1 if number % 2 else -1) * joints.speeds_rad_s * TIMESTEP_S
+    if kind == 3:
+        return rng.choice([np.nan, np.inf, 1e308, 0.0], 6)
+    if kind == 4:
+        # Folded over its own foot, or under the table.
+        return np.array([rng.uniform(-2, 2), rng.choice([-2.2, 1.2]), 2.7, 2.4, 0.0, 0.0])
+    if kind == 5:
+        return HOME + rng.uniform(-3, 3, 6) * (rng.random(6) < 0.3)
+    return corner if kind == 6 else watched.targets + (corner - watched.targets) * 0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "count"), [("arm", 7000), ("careful_arm", 3000)])
+def test_an_adversary_breaks_no_limit_in_ten_thousand_steps(kind, count, request):
+    guard = request.getfixturevalue(kind)
+    rng = np.random.default_rng(5)
+    watched = Watched(guard, HOME)
+    acted: set[str] = set()
+    for number in range(count):
+        # A stretch keeps its draws, so that it gets somewhere.
+        draws = np.random.default_rng([5, number // 7])
+        acted |= {
+            each.limit for each in watched.step(adversary(guard, watched, draws, number)).limited
+        }
+        if number % 500 == 499:
+            watched = Watched(guard, HOME + rng.uniform(-0.05, 0.05, 6))
+    assert guard.speed_cap is not None
+    wanted = {MALFORMED, SPEED, ACCELERATION, RANGE, "workspace", "collision", guard.speed_cap.name}
+    assert acted == wanted
+
+
+def test_a_command_within_the_limits_passes_unchanged(arm):
+    watched = Watched(arm, HOME)
+    for number in range(60):
+        wished = watched.targets + 0.01 * np.sin(number / 10) * np.array([1, -1, 1, 0.5, 1, 1])
+        admitted = watched.step(wished)
+        np.testing.assert_allclose(admitted.targets_rad, wished, atol=1e-12)
+        assert admitted.limited == ()
+
+
+@pytest.mark.parametrize("bad", [None, "left", [np.nan] * 6, [0.0] * 5, [1e308] * 6, [[0], [1, 2]]])
+def test_a_malformed_command_brings_the_arm_to_rest_and_says_so(arm, bad):
+    watched = Watched(arm, HOME)
+    for _ in range(5):
+        watched.step(watched.targets + 0.05)
+    assert np.abs(watched.velocities).max() > 0.5
+    for _ in range(arm.stopping.steps):
+        admitted = watched.step(bad)
+        assert MALFORMED in names(admitted)
+    np.testing.assert_array_equal(watched.velocities, 0)
+
+
+@pytest.mark.parametrize(("joint", "end"), [(0, "upper"), (2, "upper"), (5, "lower")])
+def test_a_joint_gets_to_its_end_and_stays_there(joint, end):
+    free = CommandFilter(joints_of_the_arm(), TIMESTEP_S)
+    watched = Watched(free, HOME)
+    goal = HOME.copy()
+    limit = free.joints.upper_rad if end == "upper" else free.joints.lower_rad
+    goal[joint] = limit[joint] + (1 if end == "upper" else -1)
+    acted = set[str]()
+    for _ in range(80):
+        acted |= names(watched.step(goal))
+    assert abs(watched.targets[joint] - limit[joint]) < 2e-3
+    assert RANGE in acted
+
+
+def joints_of_the_arm() -> JointLimits:
+    return command_filter(ARM_WITH_JAW, TIMESTEP_S).joints
+
+
+def twist(guard: CommandFilter, velocity_m_s: np.ndarray) -> np.ndarray:
+    """Joint targets that move the tool so, by finite differences."""
+    workspace, now = guard.workspace, guard.targets_rad
+    assert workspace is not None
+    here = workspace.tool_position_m(now)
+    jacobian = np.stack(
+        [(workspace.tool_position_m(now + 1e-5 * row) - here) / 1e-5 for row in np.eye(6)], axis=1
+    )
+    return now + np.linalg.pinv(jacobian) @ velocity_m_s * TIMESTEP_S
+
+
+def test_pushed_into_a_wall_it_slides_along(arm):
+    watched = Watched(arm, HOME)
+    for _ in range(120):
+        watched.step(twist(arm, np.array([0.2, 0.0, 0.0])))
+    wall_m = arm.workspace.upper_m[0]
+    reached = arm.workspace.tool_position_m(watched.targets)
+    assert wall_m - reached[0] < 2e-3
+    for _ in range(30):
+        admitted = watched.step(twist(arm, np.array([0.2, 0.1, 0.0])))
+        assert "workspace" in names(admitted)
+    slid = arm.workspace.tool_position_m(watched.targets) - reached
+    assert slid[1] > 0.1
+    assert abs(slid[0]) < 5e-3
+
+
+def test_pressed_down_it_stops_over_the_table(arm):
+    watched = Watched(arm, HOME)
+    acted = set[str]()
+    for _ in range(150):
+        acted = names(watched.step(twist(arm, np.array([0.0, 0.0, -0.25]))))
+    assert acted & {"workspace", "collision"}
+    assert arm.workspace.distance_m(watched.targets) < 0.012
+    low_m = arm.workspace.tool_position_m(watched.targets)[2]
+    for _ in range(20):
+        watched.step(twist(arm, np.array([0.0, 0.0, 0.25])))
+    assert arm.workspace.tool_position_m(watched.targets)[2] > low_m + 0.15
+
+
+def test_it_slows_down_near_clutter_that_the_task_tells_of(careful_arm):
+    watched = Watched(careful_arm, HOME)
+    speeds = []
+    for _ in range(30):
+        before = careful_arm.workspace.tool_position_m(watched.targets)
+        admitted = watched.step(twist(careful_arm, np.array([0.1, 0.0, -0.25])))
+        after = careful_arm.workspace.tool_position_m(watched.targets)
+        speeds.append((np.linalg.norm(after - before) / TIMESTEP_S, names(admitted)))
+    assert max(speed for speed, _ in speeds) > 0.2
+    assert any(speed < 0.15 and "speed near clutter" in acted for speed, acted in speeds)
+
+
+def test_it_goes_on_from_its_memory_to_the_bit(arm):
+    rng = np.random.default_rng(3)
+    wishes = HOME + rng.normal(size=(40, 6))
+    first = Watched(arm, HOME)
+    for wish in wishes[:20]:
+        first.step(wish)
+    memory = arm.memory()
+    ends = [arm.step(wish).targets_rad for wish in wishes[20:]]
+    arm.reset(HOME)
+    arm.step(wishes[0])
+    arm.recall(memory)
+    np.testing.assert_array_equal(arm.memory(), memory)
+    for wish, end in zip(wishes[20:], ends, strict=True):
+        np.testing.assert_array_equal(arm.step(wish).targets_rad, end)
+
+
+def test_it_starts_only_where_it_may_be(arm):
+    with pytest.raises(ParameterError, match="range"):
+        arm.reset(HOME + 10)
+    with pytest.raises(ParameterError, match="range"):
+        arm.reset(np.full(6, np.nan))
+    low = HOME.copy()
+    low[1] = 1.0
+    with pytest.raises(ParameterError, match="within the limits"):
+        arm.reset(low)
+
+
+SLIDER = """
+<mujoco><compiler angle="radian" autolimits="true"/><worldbody>
+  <geom name="wall" type="box" size=".05 1 1" pos="1 0 0"/>
+  <body name="cart"><joint name="along" type="slide" axis="1 0 0" range="-2 2"/>
+    <geom name="cart" size=".1"/>
+    <body name="arm" pos="0 0 .3"><joint name="turn" axis="0 0 1"/>
+      <geom name="arm" type="capsule" size=".05" fromto="0 0 0 .3 0 0"/>
+      <site name="tip" pos=".3 0 0"/>
+    </body></body>
+</worldbody></mujoco>
+"""
+
+
+def test_any_arm_will_do():
+    model = mujoco.MjModel.from_xml_string(SLIDER)
+    home = np.zeros(2)
+    box = np.array([-5.0, -5.0, -5.0]), np.array([5.0, 5.0, 5.0])
+    guard = CommandFilter(
+        JointLimits.of(model, (1.0, 4.0)), TIMESTEP_S, Workspace(model, "tip", home, *box)
+    )
+    assert guard.workspace is not None
+    assert sorted(guard.workspace.compared) == [("wall", "arm"), ("wall", "cart")]
+    watched = Watched(guard, home)
+    for number in range(150):
+        watched.step(np.array([1.5, 3.0 * np.sin(number / 9)]))
+    # The wall begins at .95, and the cart is .1 round.
+    assert 0.8 < watched.targets[0] < 0.85

@@ -1,0 +1,61 @@
+"""The tool moves as commanded, within the joints' limits."""
+
+import numpy as np
+import pytest
+
+from sheath_manip.exceptions import ParameterError
+from tasks.robots.own_arm import ARM_WITH_JAW
+from tasks.robots.robot import twist_control
+
+TIMESTEP_S = 0.05
+HOME = np.array(ARM_WITH_JAW.home_rad)
+
+
+@pytest.fixture(scope="module")
+def control():
+    return twist_control(ARM_WITH_JAW, TIMESTEP_S)
+
+
+def turned(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """(3,) rotation vector in the world frame, for small turns."""
+    r = after[:3, :3] @ before[:3, :3].T
+    return 0.5 * np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+
+
+@pytest.mark.parametrize("axis", range(6))
+def test_a_twist_moves_the_tool_along_the_axes_of_the_world(control, axis):
+    twist = np.zeros(6)
+    twist[axis] = 0.1 if axis < 3 else 0.4
+    before = control.transform_tool_to_world(HOME)
+    after = control.transform_tool_to_world(control.joint_targets(HOME, twist))
+    moved = np.concatenate([after[:3, 3] - before[:3, 3], turned(before, after)])
+    np.testing.assert_allclose(moved, twist * TIMESTEP_S, atol=3e-4)
+
+
+def test_joints_keep_their_ranges_and_speeds(control):
+    rng = np.random.default_rng(0)
+    lower, upper = control.model.jnt_range.T
+    top = np.array(list(ARM_WITH_JAW.joint_speeds_rad_s.values()))
+    targets = HOME
+    for _ in range(300):
+        twist = rng.uniform(-1, 1, 6) * [2, 2, 2, 8, 8, 8]
+        moved = control.joint_targets(targets, twist)
+        assert (moved >= lower - 1e-6).all()
+        assert (moved <= upper + 1e-6).all()
+        assert (np.abs(moved - targets) <= top * TIMESTEP_S + 1e-6).all()
+        targets = moved
+
+
+def test_without_a_twist_it_stays(control):
+    targets = HOME
+    for _ in range(100):
+        targets = control.joint_targets(targets, np.zeros(6))
+    np.testing.assert_allclose(targets, HOME, atol=1e-4)
+
+
+def test_takes_single_precision_and_refuses_what_is_no_twist(control):
+    control.joint_targets(HOME.astype(np.float32), np.full(6, 0.1, np.float32))
+    with pytest.raises(ParameterError, match="6 finite"):
+        control.joint_targets(HOME, np.full(6, np.nan))
+    with pytest.raises(ParameterError, match="6 finite"):
+        control.joint_targets(HOME, np.zeros(7))
