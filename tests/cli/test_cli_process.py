@@ -40,7 +40,10 @@ def test_help_names_every_verb():
 
 def test_unknown_task_names_the_known_ones(tmp_path):
     done = _call(SHEATH, "collect", "moon", "--store", tmp_path / "store")
-    assert _complaint(done) == "sheath: unknown task 'moon'; known: driving, platformer\n"
+    assert (
+        _complaint(done)
+        == "sheath: unknown task 'moon'; known: driving, grasp-clutter, platformer\n"
+    )
 
 
 def test_data_list_of_no_store(tmp_path):
