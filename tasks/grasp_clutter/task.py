@@ -98,7 +98,7 @@ class GraspTask(SheathTask):
         self._observables = OrderedDict(proprioception=observable.Generic(self._proprioception))
         cameras = {}
         for name in self.scenario.cameras:
-            camera = PyramidCamera(self._camera_name(name), IMAGE_PX, pyramid_levels=0)
+            camera = PyramidCamera(self.camera_name(name), IMAGE_PX, pyramid_levels=0)
             self._observables[name] = observable.Generic(camera)
             cameras[name] = camera.shape
         for item in self._observables.values():
@@ -280,7 +280,8 @@ class GraspTask(SheathTask):
         home = np.array(self.scenario.robot.home_rad)
         return home + rng.uniform(-_START_SPREAD_RAD, _START_SPREAD_RAD, len(home))
 
-    def _camera_name(self, name: str) -> str:
+    def camera_name(self, name: str) -> str:
+        """In the model, of the camera that observations call `name`."""
         if name in ("front", "shoulder"):
             return name
         camera = next(
