@@ -19,6 +19,7 @@ from tasks.grasp_clutter.guide import GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
 from tasks.grasp_clutter.rehearsal import solvable
 from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
+from tasks.grasp_clutter.tally import Tally
 from tasks.rendering import PyramidCamera
 from tasks.robots.drive import ACTION, RobotDrive
 from tasks.robots.own_arm import ARM_WITH_JAW
@@ -47,21 +48,6 @@ class Scenario:
     robot: RobotDescription = ARM_WITH_JAW
     cameras: tuple[str, ...] = ("front", "shoulder", "wrist")
     time_limit_s: float = 15.0
-
-
-@dataclass
-class Tally:
-    """What is remembered of an episode beside MuJoCo's state."""
-
-    outcome: Outcome = Outcome.TIME_LIMIT
-    lifted_steps: int = 0
-    toppled: int = 0
-    tilt_rad: float = 0.0
-    """the largest of any object so far"""
-    path_m: float = 0.0
-    """that the tool has covered"""
-    impulse_n_s: float = 0.0
-    """the largest change of a clutter object's momentum in a control step: how hard it was hit"""
 
 
 class TableArena(composer.Arena):
