@@ -19,6 +19,7 @@ from tasks.grasp_clutter.guide import GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
 from tasks.grasp_clutter.rehearsal import solvable
 from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
+from tasks.grasp_clutter.tally import Tally
 from tasks.rendering import PyramidCamera
 from tasks.robots.drive import ACTION, RobotDrive
 from tasks.robots.filtering import command_filter
@@ -50,21 +51,6 @@ class Scenario:
     time_limit_s: float = 15.0
     command_filter: bool = True
     """without one the arm does whatever it is told"""
-
-
-@dataclass
-class Tally:
-    """What is remembered of an episode beside MuJoCo's state."""
-
-    outcome: Outcome = Outcome.TIME_LIMIT
-    lifted_steps: int = 0
-    toppled: int = 0
-    tilt_rad: float = 0.0
-    """the largest of any object so far"""
-    path_m: float = 0.0
-    """that the tool has covered"""
-    impulse_n_s: float = 0.0
-    """the largest change of a clutter object's momentum in a control step: how hard it was hit"""
 
 
 class TableArena(composer.Arena):
@@ -107,7 +93,7 @@ class GraspTask(SheathTask):
         self._observables = OrderedDict(proprioception=observable.Generic(self._proprioception))
         cameras = {}
         for name in self.scenario.cameras:
-            camera = PyramidCamera(self._camera_name(name), IMAGE_PX, pyramid_levels=0)
+            camera = PyramidCamera(self.camera_name(name), IMAGE_PX, pyramid_levels=0)
             self._observables[name] = observable.Generic(camera)
             cameras[name] = camera.shape
         for item in self._observables.values():
@@ -296,7 +282,8 @@ class GraspTask(SheathTask):
         home = np.array(self.scenario.robot.home_rad)
         return home + rng.uniform(-_START_SPREAD_RAD, _START_SPREAD_RAD, len(home))
 
-    def _camera_name(self, name: str) -> str:
+    def camera_name(self, name: str) -> str:
+        """In the model, of the camera that observations call `name`."""
         if name in ("front", "shoulder"):
             return name
         camera = next(

@@ -10,7 +10,7 @@ from sheath_manip.seeding import scene_seed
 from sheath_manip.types import Observation, Outcome, Purpose
 from tasks.composer_environment import ComposerEnvironment
 from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.grasping import Intent
+from tasks.grasp_clutter.grasp_state import Intent
 from tasks.grasp_clutter.guide import GraspGuide
 from tasks.grasp_clutter.objects import Kind, StandingObject
 from tasks.grasp_clutter.rehearsal import solvable
