@@ -7,7 +7,7 @@ from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.evaluation import Report
 from sheath_manip.gates import redrawing
-from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Proposer
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Purpose
@@ -58,7 +58,7 @@ class Recording:
         number: int,
         count: int,
         gate: Callable[[], Gate],
-        policy: Policy | None = None,
+        policy: Proposer | None = None,
         checkpoint: str = "",
     ) -> list[Episode]:
         """`count` episodes of round `number`, driven by `policy` under a `gate` made for each.
@@ -69,7 +69,7 @@ class Recording:
         return [self._episode(info, gate, policy) for info in infos]
 
     def _episode(
-        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Policy | None
+        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Proposer | None
     ) -> Episode:
         if self.store.has(info):
             episode = self.store.read(episode_name(info))

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sheath_manip.exceptions import ActionError, ParameterError
-from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Proposer
 from sheath_manip.types import (
     Action,
     ActionSpec,
@@ -25,7 +25,7 @@ def rollout(
     gate: Gate,
     *,
     rng: np.random.Generator,
-    policy: Policy | None = None,
+    policy: Proposer | None = None,
     expert: Expert | None = None,
     listeners: Sequence[Listener] = (),
 ) -> Episode:
@@ -81,7 +81,7 @@ def rollout(
     return episode
 
 
-def _proposal(policy: Policy | None, observation: Observation, spec: ActionSpec) -> Action | None:
+def _proposal(policy: Proposer | None, observation: Observation, spec: ActionSpec) -> Action | None:
     if policy is None:
         return None
     try:
