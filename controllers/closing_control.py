@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 
 @dataclass(frozen=True)
 class ClosingControl:
@@ -22,12 +20,12 @@ class ClosingControl:
         `closed_m` is how far the fingers are closed; `grip` is -1 (open) .. 1 (closed), in between
         a width to hold.
         """
-        share = 0.5 * (1.0 + float(np.clip(grip, -1.0, 1.0)))
+        share = 0.5 * (1.0 + min(max(grip, -1.0), 1.0))
         wished = share * (self.opening_m + self.squeeze_m)
         step = self.speed_m_s * timestep_s
-        led = float(np.clip(target_m, closed_m - self.squeeze_m, closed_m + self.squeeze_m))
-        return float(np.clip(wished, led - step, led + step))
+        led = min(max(target_m, closed_m - self.squeeze_m), closed_m + self.squeeze_m)
+        return min(max(wished, led - step), led + step)
 
     def holding_grip(self, closed_m: float) -> float:
         """The grip that leaves the fingers where they are."""
-        return float(np.clip(2 * closed_m / (self.opening_m + self.squeeze_m) - 1, -1.0, 1.0))
+        return min(2 * closed_m / (self.opening_m + self.squeeze_m) - 1, 1.0)

@@ -91,6 +91,6 @@ class TwistControl:
         return self.configuration.integrate(rates, self.timestep_s)
 
     def _pose(self, positions_rad: NDArray) -> mink.SE3:
-        inside = np.clip(np.asarray(positions_rad, np.float64), self.lower_rad, self.upper_rad)
+        inside = np.minimum(np.maximum(positions_rad, self.lower_rad), self.upper_rad)
         self.configuration.update(inside)
         return self.configuration.get_transform_frame_to_world(self._tool_site, "site")

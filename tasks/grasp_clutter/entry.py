@@ -8,6 +8,7 @@ from tasks.composer_environment import ComposerEnvironment
 from tasks.grasp_clutter.expert import GraspExpert
 from tasks.grasp_clutter.scene import EASY
 from tasks.grasp_clutter.task import GraspTask, Scenario
+from tasks.robots.jaco import JACO_WITH_JAW
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -23,6 +24,7 @@ GRASP_CLUTTER = TaskEntry(
         # Every seed is a new scene, so the default's are new ones as well.
         "final": partial(make, Scenario()),
         "easy": partial(make, Scenario(difficulty=EASY)),
+        "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },
     expert=GraspExpert,
     plans={

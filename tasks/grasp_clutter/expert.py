@@ -2,7 +2,7 @@
 
 from sheath_manip.types import Action, Observation
 from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.grasping import Intent
+from tasks.grasp_clutter.grasp_state import Intent
 from tasks.grasp_clutter.guide import GraspGuide
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask
 

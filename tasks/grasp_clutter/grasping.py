@@ -1,222 +1,168 @@
 """The expert's law: where to move from any state. It knows no phases and remembers nothing.
 
-What to do is a field over the states: up where the jaw is low and beside the target, across where it
-is high, down where it is above the target, closing where the pads are around it, lifting where they
-press. All of it goes over into one another without a jump, so that labels of neighbouring states
-agree; what does not matter, such as a few degrees of yaw, is left as it is.
+What to do is a field over the states: up where the jaw is low and beside the target, across where
+it is high, down where it is above the target, closing where the pads are around it, lifting where
+they press. All of it goes over into one another without a jump, so that labels of neighbouring
+states agree; what does not matter, such as a few degrees of yaw, is left as it is.
+
+Lengths without a name are how much of an error is left alone, and over how much more it comes to
+count in full.
 """
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.closing_control import ClosingControl
-from controllers.footprint import clearances
-from tasks.robots.robot import Footprint
+from tasks.grasp_clutter.grasp_state import GraspCommand, GraspState, Intent
+from tasks.grasp_clutter.room import JawRoom
 
 TRANSIT_HEIGHT_M = 0.30
-"""of the pinch: the finger tips pass a hand's breadth of 2.5 cm over the tallest clutter"""
+"""of the pinch: the finger tips pass 2.5 cm over the tallest clutter"""
 LIFT_HEIGHT_M = 0.15
 _TIP_M = 0.035
 """from the pinch to the finger tips"""
-_ROOM_M = 0.014
-"""wanted around the jaw: what the collision limit keeps, and a little"""
 _LEAST_ROOM_M = 0.003
 """with less than this around the jaw, however it is turned, there is no safe way in"""
-_YAWS_RAD = np.linspace(0, np.pi, 60, endpoint=False)
 _GAIN_HZ = 4.0
 _TRANSIT_M_S, _CLIMB_M_S, _DESCENT_M_S, _FINE_M_S, _LIFT_M_S = 0.25, 0.2, 0.12, 0.08, 0.15
 _TURN_RAD_S = 1.2
 
 
-class Intent(StrEnum):
-    """What the expert is about, for people; it follows from the state like the action."""
-
-    TRANSIT = "transit"
-    APPROACH = "approach"
-    CLOSE = "close"
-    LIFT = "lift"
-    RETREAT = "retreat"
-    RELEASE = "release"
-    BACK_OUT = "back out: no safe way in"
-
-
 @dataclass(frozen=True, eq=False)
-class GraspState:
-    """What the law looks at. All in the world frame."""
+class _Fit:
+    """How the target lies in the jaw."""
 
-    tool_position_m: NDArray[np.float64]
-    """(3,) of the pinch"""
-    tool_rotation: NDArray[np.float64]
-    """(3, 3) its columns are the approach, the way of the fingers, their product"""
-    turn_range_rad: tuple[float, float]
-    """how far the tool can turn about the vertical, by its last joint"""
-    closed_m: float
-    """how far the gripper is closed"""
-    pressed_m: float
-    """how far its servo's target is beyond that"""
-    target_base_m: NDArray[np.float64]
-    """(3,) the centre of the target's foot"""
-    target_axis: NDArray[np.float64]
-    """(3,) the way that it stands"""
-    target_radius_m: float
-    target_height_m: float
-    outlines_m: NDArray[np.float64]
-    """(p, 2) points on the outlines of the clutter"""
-    outline_heights_m: NDArray[np.float64]
-    """(p,) up to which they reach"""
-    raised_m: float
-    """how high the highest foot of the clutter is"""
-
-
-@dataclass(frozen=True, eq=False)
-class GraspCommand:
-    """What the expert wants before anything is in its way."""
-
-    twist: NDArray[np.float64]
-    """(6,) m/s and rad/s"""
-    grip: float
-    """-1 open .. 1 closed"""
-    intent: Intent
+    error_m: NDArray[np.float64]
+    """(3,) from the pinch to where it grasps"""
+    along_m: float
+    """how much of that lies along the way of the fingers"""
+    across_m: float
+    spare_m: float
+    """how much more the jaw is open than the target is wide; negative where it is less"""
+    entered: float
+    """0..1, how far the finger tips are below the target's top, one on each side"""
     around: float
     """0..1, how far the target is between the pads"""
-    arrived: float
-    """0..1, how far the jaw is where it is to close"""
 
 
 @dataclass(frozen=True)
 class GraspLaw:
     """The field for one gripper."""
 
-    footprints: tuple[Footprint, ...]
+    room: JawRoom
     closing: ClosingControl
 
     def command(self, state: GraspState) -> GraspCommand:
         """What to do in `state`."""
-        opening = self.closing.opening_m - state.closed_m
-        width = 2 * state.target_radius_m
-        grasp_m = max(0.045, state.target_height_m - 0.05)
-        goal = state.target_base_m + grasp_m * state.target_axis
-        error = goal - state.tool_position_m
-        along, across = self._in_jaw(state, error)
-        height = state.tool_position_m[2]
-
-        # How far the target is between the pads, however they stand otherwise.
-        room = (self.closing.opening_m - width) / 2
-        depth = _TIP_M + state.target_height_m - grasp_m + error[2]
-        beside = _ramp(room + 0.004 - along, 0.006)
-        deep = _ramp(depth - 0.01, 0.02)
-        around = min(beside, deep, _ramp(0.020 - across, 0.008))
-
-        yaw_error, best_room = self._yaw_error(state, goal, grasp_m)
-        tilt_turn = np.cross(state.tool_rotation[:, 0], [0.0, 0.0, -1.0])
-        tilt = float(np.linalg.norm(tilt_turn))
-
-        # 1: down to the grasp; 0: stay at this height; -1: up to where nothing stands.
-        nearly = deep * beside * _ramp(0.05 - across, 0.01)
-        down = min(
-            _both(room - 0.002 - along, 0.006),
-            max(_both(0.016 - across, 0.008), nearly - 1),
-            max(_both(opening - width - 0.002, 0.008), 2 * around - 1),
-            _ramp(0.35 - abs(yaw_error), 0.15),
-            _ramp(0.25 - tilt, 0.1),
-        )
-        blocked = best_room < _LEAST_ROOM_M and around < 0.5
+        fit = self._fit(state)
+        yaw_error, best_room = self.room.least_turn(state, state.tool_position_m + fit.error_m)
+        tilt_turn = _turn_down(state.tool_rotation[:, 0])
+        blocked = best_room < _LEAST_ROOM_M and fit.around < 0.5
+        down = self._down(state, fit, abs(yaw_error), float(np.linalg.norm(tilt_turn)))
         if blocked:
             down = -1.0
-        high = _ramp(height - (TRANSIT_HEIGHT_M - 0.05), 0.03)
-        across_share = max(high, min(1.0, down + 1.0)) if not blocked else high
+
         twist = np.zeros(6)
-        top = _FINE_M_S + (_TRANSIT_M_S - _FINE_M_S) * high
-        twist[:2] = across_share * _capped(_GAIN_HZ * error[:2], top)
-        if down >= 0:
-            twist[2] = down * np.clip(_GAIN_HZ * error[2], -_DESCENT_M_S, 0.1)
-        else:
-            climb = _GAIN_HZ * (TRANSIT_HEIGHT_M - height)
-            twist[2] = -down * np.clip(climb, -_CLIMB_M_S, _CLIMB_M_S)
+        twist[:3] = _velocity(state, fit, down, blocked)
         twist[3:] = _GAIN_HZ * tilt_turn
         twist[5] += _GAIN_HZ * yaw_error
         twist[3:] = _capped(twist[3:], _TURN_RAD_S)
 
         arrived = min(
-            _ramp(0.010 - along, 0.004),
-            _ramp(0.014 - across, 0.004),
-            _ramp(0.020 - abs(error[2]), 0.008),
+            _ramp(0.010 - fit.along_m, 0.004),
+            _ramp(0.014 - fit.across_m, 0.004),
+            _ramp(0.020 - abs(fit.error_m[2]), 0.008),
         )
-        touching = around * _ramp(width + 0.02 - opening, 0.01)
-        close = max(arrived, touching)
-        pressing = _ramp(state.pressed_m - 0.008, 0.008)
-        held = around * pressing * _ramp(width + 0.01 - opening, 0.004)
+        close = max(arrived, fit.around * _ramp(0.02 - fit.spare_m, 0.01))
         grip = 2 * close - 1
-        if close == 0.0 and not self._may_open(state):
+        if close == 0.0 and not self._may_open(state, fit):
             grip = self.closing.holding_grip(state.closed_m)
-        if held > 0:
-            lift = np.clip(_GAIN_HZ * (LIFT_HEIGHT_M - state.target_base_m[2]), -0.1, _LIFT_M_S)
-            twist *= 1 - held
-            twist[2] += held * lift
+        pressing = _ramp(state.pressed_m - 0.008, 0.008)
+        held = fit.around * pressing * _ramp(0.01 - fit.spare_m, 0.004)
+        lift = np.clip(_GAIN_HZ * (LIFT_HEIGHT_M - state.target_base_m[2]), -0.1, _LIFT_M_S)
+        twist *= 1 - held
+        twist[2] += held * lift
         # Something else is between the pads: it is set down before it is let go.
-        wrong = pressing * (1 - around) * float(state.closed_m < self.closing.opening_m - 0.01)
+        wrong = pressing * (1 - fit.around) * float(state.closed_m < self.closing.opening_m - 0.01)
         if wrong > 0:
             lowered = -np.clip(_GAIN_HZ * state.raised_m, 0.0, 0.1)
             twist *= 1 - wrong
             twist[2] += wrong * lowered * float(state.raised_m > 0.004)
             grip = 1.0 if state.raised_m > 0.012 else -1.0
-        intent = _intent(held, wrong, close, down, blocked, height)
-        return GraspCommand(twist, float(grip), intent, around, arrived)
+        intent = _intent(held, wrong, close, down, blocked, state.tool_position_m[2])
+        return GraspCommand(twist, float(grip), intent, fit.around, arrived)
 
-    def _in_jaw(self, state: GraspState, error: NDArray) -> tuple[float, float]:
-        """Horizontal distance of the goal from the pinch along the fingers' way, and across it."""
+    def _fit(self, state: GraspState) -> _Fit:
+        grasp_m = max(0.045, state.target_height_m - 0.05)
+        goal = state.target_base_m + grasp_m * state.target_axis
+        error = goal - state.tool_position_m
         way = state.tool_rotation[:2, 1]
         way = way / max(float(np.linalg.norm(way)), 1e-6)
-        return abs(float(way @ error[:2])), abs(float(way[0] * error[1] - way[1] * error[0]))
+        along = abs(float(way @ error[:2]))
+        across = abs(float(way[0] * error[1] - way[1] * error[0]))
+        depth = _TIP_M + state.target_height_m - grasp_m + error[2]
+        room = self.closing.opening_m / 2 - state.target_radius_m
+        entered = _ramp(depth - 0.01, 0.02) * _ramp(room + 0.004 - along, 0.006)
+        return _Fit(
+            error_m=error,
+            along_m=along,
+            across_m=across,
+            spare_m=self.closing.opening_m - state.closed_m - 2 * state.target_radius_m,
+            entered=entered,
+            around=min(entered, _ramp(0.020 - across, 0.008)),
+        )
 
-    def _yaw_error(self, state: GraspState, goal: NDArray, grasp_m: float) -> tuple[float, float]:
-        """How to turn about the vertical to where there is room, by the least way; the most room."""
-        way = state.tool_rotation[:2, 1]
-        now = float(np.arctan2(way[1], way[0]))
-        rooms = self._rooms(state, goal[:2], goal[2], _YAWS_RAD)
-        best = float(rooms.max())
-        turns = (_YAWS_RAD - now + np.pi / 2) % np.pi - np.pi / 2
-        # A jaw is the same when turned by half a turn.
-        turns = np.concatenate([turns, turns - np.pi * np.sign(turns)])
-        low, high = state.turn_range_rad
-        fits = (np.tile(rooms, 2) >= min(_ROOM_M, best)) & (turns >= low) & (turns <= high)
-        if not fits.any():
-            return 0.0, best
-        step = _YAWS_RAD[1]
-        least = turns[fits][np.argmin(np.abs(turns[fits]))]
-        # Between two admissible yaws of the grid is no error.
-        return float(np.sign(least) * max(abs(least) - 0.75 * step, 0.0)), best
+    def _down(self, state: GraspState, fit: _Fit, yaw_error: float, tilt: float) -> float:
+        """1: down to the grasp; 0: stay at this height; -1: up to where nothing stands."""
+        room = self.closing.opening_m / 2 - state.target_radius_m
+        return min(
+            _both(room - 0.002 - fit.along_m, 0.006),
+            # With a finger on each side the target is best reached across, not from above.
+            max(
+                _both(0.016 - fit.across_m, 0.008),
+                fit.entered * _ramp(0.05 - fit.across_m, 0.01) - 1,
+            ),
+            max(_both(fit.spare_m - 0.002, 0.008), 2 * fit.around - 1),
+            # These two can be mended at any height.
+            _ramp(0.35 - yaw_error, 0.15),
+            _ramp(0.25 - tilt, 0.1),
+        )
 
-    def _rooms(
-        self, state: GraspState, centre_m: NDArray, height_m: float, yaws_rad: NDArray
-    ) -> NDArray[np.float64]:
-        """(k,) room around the jaw at `centre_m` for each of (k,) yaws."""
-        relative = state.outlines_m - centre_m
-        rooms = np.full(len(yaws_rad), 1.0)
-        near = np.abs(relative).max(axis=1, initial=0.0) < 0.15
-        for foot in self.footprints:
-            rising = near & (state.outline_heights_m > height_m + foot.above_tool_m)
-            found = clearances(relative[rising], yaws_rad, foot.half_along_m, foot.half_across_m)
-            rooms = np.minimum(rooms, found)
-        return rooms
-
-    def _may_open(self, state: GraspState) -> bool:
+    def _may_open(self, state: GraspState, fit: _Fit) -> bool:
         """Whether opening where the jaw is pushes nothing."""
-        way = state.tool_rotation[:2, 1]
-        yaw = np.array([np.arctan2(way[1], way[0])])
-        position = state.tool_position_m
-        tip_room = self._rooms(state, position[:2], position[2], yaw)[0]
-        beside = abs(float(np.linalg.norm(state.target_base_m[:2] - position[:2])))
-        above_target = position[2] - _TIP_M > state.target_base_m[2] + state.target_height_m
-        return tip_room > 0.002 and (above_target or beside > 0.11 or self._target_inside(state))
+        position, base = state.tool_position_m, state.target_base_m
+        over = position[2] - _TIP_M > base[2] + state.target_height_m
+        beside = float(np.linalg.norm(base[:2] - position[:2])) > 0.11
+        inside = fit.along_m < (self.closing.opening_m - state.closed_m) / 2
+        return (over or beside or inside) and self.room.here(state) > 0.002
 
-    def _target_inside(self, state: GraspState) -> bool:
-        error = state.target_base_m - state.tool_position_m
-        along, _ = self._in_jaw(state, error)
-        return along < (self.closing.opening_m - state.closed_m) / 2
+
+def _velocity(state: GraspState, fit: _Fit, down: float, blocked: bool) -> NDArray[np.float64]:
+    """(3,) of the tool while it holds nothing, m/s."""
+    height = state.tool_position_m[2]
+    high = _ramp(height - (TRANSIT_HEIGHT_M - 0.05), 0.03)
+    sideways = high if blocked else max(high, min(1.0, down + 1.0))
+    top = _FINE_M_S + (_TRANSIT_M_S - _FINE_M_S) * high
+    velocity = np.zeros(3)
+    velocity[:2] = sideways * _capped(_GAIN_HZ * fit.error_m[:2], top)
+    if down >= 0:
+        velocity[2] = down * np.clip(_GAIN_HZ * fit.error_m[2], -_DESCENT_M_S, 0.1)
+    else:
+        climb = _GAIN_HZ * (TRANSIT_HEIGHT_M - height)
+        velocity[2] = -down * np.clip(climb, -_CLIMB_M_S, _CLIMB_M_S)
+    return velocity
+
+
+def _turn_down(approach: NDArray) -> NDArray[np.float64]:
+    """(3,) rotation vector that points (3,) `approach` straight down."""
+    axis = np.cross(approach, [0.0, 0.0, -1.0])
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-9:
+        # Down already, or up, where any way will do.
+        return np.array([0.0, np.pi if approach[2] > 0 else 0.0, 0.0])
+    return axis / sine * np.arctan2(sine, -approach[2])
 
 
 def _ramp(value: float, width: float) -> float:

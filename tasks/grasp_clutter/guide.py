@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from controllers.closing_control import ClosingControl
 from controllers.guarded_twist import Guard, GuardedTwist
 from sheath_manip.types import Action
-from tasks.grasp_clutter.grasping import GraspCommand, GraspLaw, GraspState
+from tasks.grasp_clutter.grasp_state import GraspCommand, GraspState
+from tasks.grasp_clutter.grasping import GraspLaw
 from tasks.grasp_clutter.outlines import Outlines
 from tasks.grasp_clutter.pool import SLOTS, Pool, add_pool, geom_names
+from tasks.grasp_clutter.room import JawRoom
 from tasks.grasp_clutter.scene import Scene
 from tasks.robots.drive import TWIST_SCALE
 from tasks.robots.robot import RobotDescription, kinematic_root, twist_control
@@ -57,7 +59,7 @@ class GraspGuide:
             ],
         )
         self.opening_m = description.opening_m
-        self._law = GraspLaw(description.footprints, ClosingControl(description.opening_m))
+        self._law = GraspLaw(JawRoom(description.footprints), ClosingControl(description.opening_m))
         self._mocap = [int(control.model.body_mocapid[body]) for body in self._pool.bodies]
         self._scene: Scene | None = None
 

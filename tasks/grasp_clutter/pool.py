@@ -59,6 +59,8 @@ class Pool:
             for name, kind in SLOTS
         ]
         self._free = [int(model.body_jntadr[body]) for body in self.bodies]
+        # One after the other, as they were added.
+        self._rows = slice(self.bodies[0], self.bodies[-1] + 1)
         self._scratch = mujoco.MjData(model)
         self.slots: tuple[int, ...] = ()
         """of the scene's objects, in their order: indices into `bodies`"""
@@ -69,7 +71,7 @@ class Pool:
         return np.array([self.bodies[slot] for slot in self.slots])
 
     def shape(self, scene: Scene) -> None:
-        """Give the bodies the shapes and masses of `scene`, and take the others out of the world."""
+        """Give bodies the shapes and masses of `scene`, and take the others out of the world."""
         self.slots = _assigned(scene)
         model = self._model
         for slot, geoms in enumerate(self._geoms):
@@ -92,6 +94,17 @@ class Pool:
                 data.qpos[position : position + 7] = _pose(where[slot])
             else:
                 data.qpos[position : position + 7] = [0.2 * slot, 0, _PARKED_M, 1, 0, 0, 0]
+
+    def momenta(self, data: mujoco.MjData) -> NDArray[np.float64]:
+        """(p, 3) of the pool's centres of mass, N s, in the world frame."""
+        model, bodies = self._model, self._rows
+        start = model.jnt_dofadr[self._free[0]]
+        # A free joint moves the body's origin, the object's foot, and turns about the body's axes.
+        rates = data.qvel[start : start + 6 * len(self.bodies)].reshape(-1, 6)
+        axes = data.xmat[bodies].reshape(-1, 3, 3)
+        turning = rates[:, 4:5] * axes[:, :, 0] - rates[:, 3:4] * axes[:, :, 1]
+        velocities = rates[:, :3] + model.body_ipos[bodies, 2:] * turning
+        return model.body_mass[bodies, None] * velocities
 
     def _shape(self, slot: int, each: StandingObject) -> None:
         model, body = self._model, self.bodies[slot]

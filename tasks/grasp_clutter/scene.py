@@ -20,6 +20,7 @@ _PALETTE = (
     (0.85, 0.85, 0.82, 1.0),
     (0.24, 0.62, 0.66, 1.0),
 )
+_STEP_BACK_M = 0.004
 _TRIES = 60
 """to place one object before the whole draw is given up"""
 
@@ -31,7 +32,7 @@ class Difficulty:
     gap_m: float
     """least distance of clutter from the target"""
     spread_m: float
-    """how much farther than that it may stand"""
+    """how much farther than that it stands, if there is room"""
     heights_m: tuple[float, float]
     """of the clutter"""
     blockers: int
@@ -43,7 +44,7 @@ class Difficulty:
 
 
 EASY = Difficulty(gap_m=0.045, spread_m=0.10, heights_m=(0.09, 0.15), blockers=0)
-HARD = Difficulty(gap_m=0.022, spread_m=0.04, heights_m=(0.17, 0.24), blockers=2)
+HARD = Difficulty(gap_m=0.022, spread_m=0.015, heights_m=(0.17, 0.24), blockers=2)
 
 
 @dataclass(frozen=True)
@@ -117,9 +118,11 @@ def _place(
 ) -> StandingObject | None:
     shape = _shape(rng, difficulty, kind)
     to_robot = np.arctan2(-target.y_m, -target.x_m)
-    for _ in range(_TRIES):
-        gap = difficulty.gap_m + rng.uniform(0, difficulty.spread_m)
-        blocks = number < difficulty.blockers
+    blocks = number < difficulty.blockers
+    for tries in range(_TRIES):
+        # Who finds no place near the target stands farther away: a second blocker behind the first.
+        spread = difficulty.spread_m + _STEP_BACK_M * tries
+        gap = difficulty.gap_m + rng.uniform(0, spread)
         angle = to_robot + rng.uniform(-0.35, 0.35) if blocks else rng.uniform(-np.pi, np.pi)
         # A box is kept at a distance as if it were the circle around it.
         away = target.half_x_m + gap + shape.reach_m
@@ -130,9 +133,6 @@ def _place(
         )
         if _fits(placed, clutter, difficulty.apart_m):
             return placed
-        # The second blocker stands behind the first.
-        if blocks and number:
-            difficulty = replace(difficulty, spread_m=difficulty.spread_m + 0.01)
     return None
 
 

@@ -1,5 +1,6 @@
 """Grasp the red target among standing objects and lift it; nothing may fall over."""
 
+import math
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from tasks.grasp_clutter.guide import GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
 from tasks.grasp_clutter.rehearsal import solvable
 from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
+from tasks.grasp_clutter.tally import Tally
 from tasks.rendering import PyramidCamera
 from tasks.robots.drive import ACTION, RobotDrive
 from tasks.robots.own_arm import ARM_WITH_JAW
@@ -33,6 +35,7 @@ TOPPLING = 0.9
 LIFTED_M = 0.10
 LIFTED_STEPS = 10
 """for which the target must be up: half a second"""
+_PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
 _START_SPREAD_RAD = 0.06
 """of the arm's joints, about where it waits"""
 
@@ -45,21 +48,6 @@ class Scenario:
     robot: RobotDescription = ARM_WITH_JAW
     cameras: tuple[str, ...] = ("front", "shoulder", "wrist")
     time_limit_s: float = 15.0
-
-
-@dataclass
-class Tally:
-    """What is remembered of an episode beside MuJoCo's state."""
-
-    outcome: Outcome = Outcome.TIME_LIMIT
-    lifted_steps: int = 0
-    toppled: int = 0
-    tilt_rad: float = 0.0
-    """the largest of any object so far"""
-    path_m: float = 0.0
-    """that the tool has covered"""
-    impulse_n_s: float = 0.0
-    """the largest that the robot has received in a control step from what it touches"""
 
 
 class TableArena(composer.Arena):
@@ -83,11 +71,12 @@ class GraspTask(SheathTask):
         self._arena = TableArena()
         self.robot = Robot(self.scenario.robot)
         self._arena.attach(self.robot)
-        self._add_contact_sensor()
         self.drive = RobotDrive(self.robot, CONTROL_TIMESTEP_S)
         self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S)
         self._tally = Tally()
         self._scene: Scene | None = None
+        self.laid_bodies = np.zeros(0, np.int64)
+        """(n,) of the scene's objects in the model, the target's first"""
         self.draws = 0
         """how many scenes have been drawn until one could be solved, this episode's included"""
         self.set_timesteps(CONTROL_TIMESTEP_S, PHYSICS_TIMESTEP_S)
@@ -95,7 +84,7 @@ class GraspTask(SheathTask):
         self._observables = OrderedDict(proprioception=observable.Generic(self._proprioception))
         cameras = {}
         for name in self.scenario.cameras:
-            camera = PyramidCamera(self._camera_name(name), IMAGE_PX, pyramid_levels=0)
+            camera = PyramidCamera(self.camera_name(name), IMAGE_PX, pyramid_levels=0)
             self._observables[name] = observable.Generic(camera)
             cameras[name] = camera.shape
         for item in self._observables.values():
@@ -117,6 +106,11 @@ class GraspTask(SheathTask):
         )
 
     @property
+    def physics_steps_per_control_step(self) -> int:
+        """One: composer's own loop costs a quarter of the physics; see `before_substep`."""
+        return 1
+
+    @property
     def root_entity(self) -> composer.Entity:
         """The arena."""
         return self._arena
@@ -134,11 +128,8 @@ class GraspTask(SheathTask):
 
     def after_compile(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Bind the parts to the model."""
-        model, data = physics.model.ptr, physics.data.ptr
-        self._pool = Pool(model)
+        self._pool = Pool(physics.model.ptr)
         self._tool = physics.bind(self.robot.tool_site).element_id
-        sensor = model.sensor("robot_force")
-        self._force = data.sensordata[sensor.adr[0] : sensor.adr[0] + 3]
         self.drive.bind(physics)
         # Composer looks at the observables before the first episode begins.
         rng = np.random.default_rng(0)
@@ -162,15 +153,15 @@ class GraspTask(SheathTask):
         self._tip_rad = np.array([each.tip_angle_rad for each in scene.objects])
         self._pool.shape(scene)
         self._pool.place(physics.data.ptr, scene)
-        self._bodies = self._pool.laid_bodies
+        self.laid_bodies = self._pool.laid_bodies
         self.drive.place(start_rad)
         mujoco.mj_forward(physics.model.ptr, physics.data.ptr)
         self._tool_m = physics.data.ptr.site_xpos[self._tool].copy()
-        self._impulse = np.zeros(3)
+        self._momenta = self._pool.momenta(physics.data.ptr)
 
     def situation(self, physics: mjcf.Physics) -> Situation:
         """Robot and objects as they are."""
-        data, bodies = physics.data.ptr, self._bodies
+        data, bodies = physics.data.ptr, self.laid_bodies
         return Situation(
             joint_targets_rad=self.drive.targets_rad(),
             closed_m=self.drive.closed_m(),
@@ -182,16 +173,15 @@ class GraspTask(SheathTask):
 
     def tilts_rad(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         """(n,) of the scene's objects from upright, the target's first."""
-        return np.arccos(np.clip(physics.data.ptr.xmat[self._bodies, 8], -1.0, 1.0))
+        return np.arccos(np.clip(physics.data.ptr.xmat[self.laid_bodies, 8], -1.0, 1.0))
 
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
         """Command the arm."""
         self.drive.command(action)
-        self._impulse[:] = 0.0
 
-    def after_substep(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
-        """Sum up what the robot feels."""
-        self._impulse += self._force
+    def before_substep(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
+        """All physics steps but the one that composer makes."""
+        mujoco.mj_step(physics.model.ptr, physics.data.ptr, _PHYSICS_STEPS - 1)
 
     def after_step(self, physics: mjcf.Physics, random_state) -> None:  # noqa: ARG002
         """Judge."""
@@ -202,15 +192,16 @@ class GraspTask(SheathTask):
         tally = self._tally
         tilts = self.tilts_rad(physics)
         tally.tilt_rad = max(tally.tilt_rad, float(tilts.max()))
-        positions = data.xpos[self._bodies]
+        positions = data.xpos[self.laid_bodies]
         x, y = positions[:, 0], positions[:, 1]
         inside = (x > TABLE_X_M[0]) & (x < TABLE_X_M[1]) & (y > TABLE_Y_M[0]) & (y < TABLE_Y_M[1])
         fallen = (tilts > TOPPLING * self._tip_rad) | ~inside
         tally.toppled = max(tally.toppled, int(fallen.sum()))
-        tally.path_m += float(np.linalg.norm(data.site_xpos[self._tool] - self._tool_m))
-        self._tool_m = data.site_xpos[self._tool].copy()
-        impulse = float(np.linalg.norm(self._impulse)) * PHYSICS_TIMESTEP_S
-        tally.impulse_n_s = max(tally.impulse_n_s, impulse)
+        before_m, self._tool_m = self._tool_m, data.site_xpos[self._tool].copy()
+        tally.path_m += math.dist(before_m, self._tool_m)
+        before, self._momenta = self._momenta, self._pool.momenta(data)
+        squares = ((self._momenta - before)[1:] ** 2).sum(axis=1)
+        tally.impulse_n_s = max(tally.impulse_n_s, float(squares.max()) ** 0.5)
         tally.lifted_steps = tally.lifted_steps + 1 if positions[0, 2] > LIFTED_M else 0
         if tally.toppled:
             tally.outcome = Outcome.FAILURE
@@ -237,7 +228,7 @@ class GraspTask(SheathTask):
         }
 
     def memory(self) -> NDArray[np.float64]:
-        """(9,) the tally and where the tool was."""
+        """(9 + 3p,) the tally, where the tool was, the momenta of the pool."""
         tally = self._tally
         return np.array(
             [
@@ -248,6 +239,7 @@ class GraspTask(SheathTask):
                 tally.path_m,
                 tally.impulse_n_s,
                 *self._tool_m,
+                *self._momenta.ravel(),
             ]
         )
 
@@ -262,7 +254,8 @@ class GraspTask(SheathTask):
             float(path),
             float(impulse),
         )
-        self._tool_m = memory[6:].copy()
+        self._tool_m = memory[6:9].copy()
+        self._momenta = memory[9:].reshape(-1, 3).copy()
 
     def _proprioception(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         tool = physics.data.ptr.site_xpos[self._tool]
@@ -273,18 +266,8 @@ class GraspTask(SheathTask):
         home = np.array(self.scenario.robot.home_rad)
         return home + rng.uniform(-_START_SPREAD_RAD, _START_SPREAD_RAD, len(home))
 
-    def _add_contact_sensor(self) -> None:
-        root: Any = self._arena.mjcf_model
-        root.sensor.add(
-            "contact",
-            name="robot_force",
-            subtree1=self.robot.mjcf_model.find_all("body")[0],
-            num=1,
-            data="force",
-            reduce="netforce",
-        )
-
-    def _camera_name(self, name: str) -> str:
+    def camera_name(self, name: str) -> str:
+        """In the model, of the camera that observations call `name`."""
         if name in ("front", "shoulder"):
             return name
         camera = next(

@@ -61,7 +61,8 @@ class RobotDrive:
     def targets_rad(self) -> NDArray[np.float64]:
         """(j,) of the arm's servos, from which the next command starts."""
         positions = self.positions_rad()
-        return np.clip(self._data.act[self._targets], positions - LEAD_RAD, positions + LEAD_RAD)
+        targets = np.maximum(self._data.act[self._targets], positions - LEAD_RAD)
+        return np.minimum(targets, positions + LEAD_RAD)
 
     def closed_m(self) -> float:
         """How far the gripper is closed."""

@@ -36,15 +36,20 @@ HOME_RAD = (0.0, -1.509, 1.857, 1.048, 0.0, 0.0)
 ARM_GEOMS = ("upper_arm", "forearm", "wrist_1", "wrist_2", "flange")
 JAW_FINGERS = ("jaw/left_finger", "jaw/left_pad", "jaw/right_finger", "jaw/right_pad")
 
+JAW: dict[str, Any] = {
+    "tool_site": "jaw/pinch",
+    "closing_servo": "jaw/closing",
+    "closing_joints": ("jaw/left_finger", "jaw/right_finger"),
+    "opening_m": 0.092,
+    "footprints": (Footprint(0.057, 0.011, -0.035), Footprint(0.062, 0.018, 0.085)),
+}
+"""what a description says of the jaw, whichever arm carries it"""
+
 ARM_WITH_JAW = RobotDescription(
     build=build_arm_with_jaw,
     joint_speeds_rad_s=ARM_JOINT_SPEEDS_RAD_S,
     home_rad=HOME_RAD,
-    tool_site="jaw/pinch",
     servos=tuple(ARM_JOINT_SPEEDS_RAD_S),
-    closing_servo="jaw/closing",
-    closing_joints=("jaw/left_finger", "jaw/right_finger"),
-    opening_m=0.092,
-    footprints=(Footprint(0.057, 0.011, -0.035), Footprint(0.062, 0.018, 0.085)),
     body_geoms=(*ARM_GEOMS, "jaw/palm", *JAW_FINGERS),
+    **JAW,
 )
