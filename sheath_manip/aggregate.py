@@ -14,9 +14,10 @@ from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.checkpoints import Checkpoints
 from sheath_manip.dataset.samples import Samples, joined, samples_from, visited_from
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.disturbance import DisturbedExpert
 from sheath_manip.evaluation import Report, evaluate_policy
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates import AlwaysExpert, ScriptedPerson
+from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, attentive_person
 from sheath_manip.gates.human import Person
 from sheath_manip.measuring import measures_of
 from sheath_manip.methods import METHODS, Method, RoundContext, method_named
@@ -48,7 +49,7 @@ class Common:
     check: Sequence[Samples]
     """one a further held-out expert episode, for measuring false alarms"""
     records: Sequence[EpisodeRecord]
-    """of all expert episodes"""
+    """of all episodes that the expert drove undisturbed"""
 
 
 class LearningRun:
@@ -67,9 +68,12 @@ class LearningRun:
         store: EpisodeStore,
         listeners: Sequence[Listener] = (),
         report: Report = lambda _: None,
-        person: Callable[[Expert], Person] = ScriptedPerson,
+        person: Callable[[Expert], Person] | None = None,
     ) -> None:
-        """Make the environment of the run; `person` makes the one who may take over."""
+        """Make the environment of the run.
+
+        `person` makes the one who may take over; where there is none, one who watches well.
+        """
         self.task = task
         self.plan = plan
         self.run_seed = run_seed
@@ -79,7 +83,9 @@ class LearningRun:
         self.report = report
         self.environment = task.make_for_run(plan.variant, run_seed)
         expert = AskedOnce(task.expert(self.environment))
-        self.person = person(expert)
+        action = self.environment.spec.action
+        self.person = attentive_person(expert, action) if person is None else person(expert)
+        self.disturbed = DisturbedExpert(expert, action, plan.demonstration_noise)
         self.recording = Recording(self.environment, expert, run_seed, store, listeners, report)
         self.checkpoints = Checkpoints(self.environment.spec, plan, run_seed, directory)
 
@@ -90,12 +96,14 @@ class LearningRun:
     def start(self) -> Common:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         plan = self.plan
-        demonstrations = self._expert_episodes(Purpose.DEMONSTRATION, plan.demonstrations)
+        demonstrations = self._demonstrations()
         held_out = self._expert_episodes(Purpose.CALIBRATION, plan.calibration + plan.check)
         samples = [samples_from([episode]) for episode in held_out]
         calibration, check = samples[: plan.calibration], samples[plan.calibration :]
         states = samples_from(demonstrations)
-        records = [record_of(episode) for episode in (*demonstrations, *held_out)]
+        # Whom a push made fail says nothing of the expert.
+        undisturbed = demonstrations if plan.demonstration_noise == 0 else []
+        records = [record_of(episode) for episode in (*undisturbed, *held_out)]
         checkpoint = self._fitted(self.checkpoints.first(states, calibration), states)
         return Common(checkpoint, states, calibration, check, records)
 
@@ -147,6 +155,15 @@ class LearningRun:
             listener.on_fit(states)
         return checkpoint
 
+    def _demonstrations(self) -> list[Episode]:
+        count = self.plan.demonstrations
+        if self.plan.demonstration_noise == 0:
+            return self._expert_episodes(Purpose.DEMONSTRATION, count)
+        gate = partial(AlwaysPolicy, query=True)
+        return self.recording.episodes(
+            Purpose.DEMONSTRATION, EXPERT, 0, count, gate, self.disturbed
+        )
+
     def _expert_episodes(self, purpose: Purpose, count: int) -> list[Episode]:
         return self.recording.episodes(purpose, EXPERT, 0, count, AlwaysExpert)
 
@@ -192,7 +209,10 @@ class LearningRun:
     ) -> RoundResult:
         """What the round showed: `driver` drove it, `fitted` was fitted after it."""
         begin = time.perf_counter()
-        measures = measures_of(episodes, visited, driver, fitted, aggregated, common.check)
+        tolerance = self.environment.spec.action.tolerance
+        measures = measures_of(
+            episodes, visited, driver, fitted, aggregated, common.check, tolerance
+        )
         alone = self._alone(self.environment, fitted, self.plan.held_out)
         final: Sequence[EpisodeRecord] = ()
         if self._is_last(fitted.method, fitted.round, measures.surrogate_loss):

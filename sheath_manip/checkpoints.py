@@ -109,7 +109,12 @@ class Checkpoints:
             calibration,
             plan,
             self.spec.name,
-            agreement=partial(held_out_agreement, partial(self._fresh_policy, plan), states),
+            agreement=partial(
+                held_out_agreement,
+                partial(self._fresh_policy, plan),
+                states,
+                tolerance=self.spec.action.tolerance,
+            ),
             previous=previous,
             visited=visited,
         )

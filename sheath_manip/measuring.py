@@ -29,6 +29,7 @@ def measures_of(
     fitted: Checkpoint,
     aggregated: Samples,
     check: Sequence[Samples],
+    tolerance: float = 0.0,
 ) -> Measures:
     """The measures of one round.
 
@@ -40,12 +41,13 @@ def measures_of(
         fitted: to the states after them.
         aggregated: the labelled states that `fitted` had, so far.
         check: new expert episodes.
+        tolerance: surrogate loss up to which an action counts as the expert's.
     """
     losses = np.empty(0)
     if visited.is_labelled.any():
         losses = driver.policy.surrogate_losses(visited.labelled())
     acted = np.array([step.decision.actor is Actor.POLICY for e in episodes for step in e.steps])
-    missed = acted[visited.is_labelled][losses > 0]
+    missed = acted[visited.is_labelled][losses > tolerance]
     epsilon = float(np.mean(fitted.policy.surrogate_losses(aggregated)))
     alarms = [float(np.mean(~(fitted.scores(one) >= fitted.threshold))) for one in check]
     return Measures(

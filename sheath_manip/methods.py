@@ -16,7 +16,7 @@ from sheath_manip.gates import (
 )
 from sheath_manip.gates.human import Person
 from sheath_manip.plan import LearningPlan
-from sheath_manip.policies import FEATURE_EMBEDDINGS, IMAGE_EMBEDDINGS
+from sheath_manip.policies import FEATURE_EMBEDDINGS
 from sheath_manip.policies.smile import as_first_member, expert_weight
 from sheath_manip.protocols import Arrays, Gate
 
@@ -113,7 +113,7 @@ def _smile(plan: LearningPlan) -> LearningPlan:
     }
     # A mixture has no convolutions to look through, nor weights of its own.
     mixed = replace(_on_raw_features(plan), policy="smile", policy_settings=settings)
-    if plan.embedding not in IMAGE_EMBEDDINGS:
+    if plan.embedding in FEATURE_EMBEDDINGS:
         return mixed
     return replace(mixed, embedding="pixels-whitened", precedent_embedding="pixels-whitened")
 

@@ -63,6 +63,8 @@ class LearningPlan:
     """of the task, on which the last policy is judged"""
     demonstrations: int = 10
     """expert episodes before round 1"""
+    demonstration_noise: float = 0.0
+    """with which their actions are disturbed, as a share of half the actions' range (DART)"""
     calibration: int = 30
     """held-out expert episodes for the threshold; steps of one resemble each other, so three will
     do but ten still miss the asked rate by five points, and twenty by three"""
@@ -95,6 +97,10 @@ class LearningPlan:
         for name in ("false_alarm_rate", "expert_budget", "alpha"):
             if not 0 < getattr(self, name) < 1:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted 0 .. 1")
+        if self.demonstration_noise < 0:
+            raise ParameterError(
+                f"demonstration_noise is {self.demonstration_noise}; wanted at least 0, like 0.1"
+            )
         for name in ("release_rate", "beta"):
             if not 0 <= getattr(self, name) < 1:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted 0 to below 1")

@@ -103,7 +103,15 @@ class Follows(Expert, Protocol):
         ...
 
 
-class Policy(Protocol):
+class Proposer(Protocol):
+    """Says at each step what it would do: all that the loop wants of a policy."""
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) the action for one observation."""
+        ...
+
+
+class Policy(Proposer, Protocol):
     """Maps observations to actions; looks at the observation only."""
 
     def fit(self, samples: Samples) -> Self:
@@ -114,10 +122,6 @@ class Policy(Protocol):
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float32]:
         """(n, a) actions for (n, h, w, 3) images by camera and (n, f) features."""
-        ...
-
-    def act(self, observation: Observation) -> Action:
-        """(a,) the action for one observation."""
         ...
 
     def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:

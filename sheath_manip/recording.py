@@ -13,7 +13,7 @@ from sheath_manip.protocols import (
     Follows,
     Gate,
     Listener,
-    Policy,
+    Proposer,
     TakesOver,
 )
 from sheath_manip.rollout import rollout
@@ -77,7 +77,7 @@ class Recording:
         number: int,
         count: int,
         gate: Callable[[], Gate],
-        policy: Policy | None = None,
+        policy: Proposer | None = None,
         checkpoint: str = "",
     ) -> list[Episode]:
         """`count` episodes of round `number`, driven by `policy` under a `gate` made for each.
@@ -88,7 +88,7 @@ class Recording:
         return [self._episode(info, gate, policy) for info in infos]
 
     def _episode(
-        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Policy | None
+        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Proposer | None
     ) -> Episode:
         if self.store.has(info):
             episode = self.store.read(episode_name(info))

@@ -11,7 +11,7 @@ from sheath_manip.protocols import (
     Follows,
     Gate,
     Listener,
-    Policy,
+    Proposer,
     TakesOver,
 )
 from sheath_manip.types import (
@@ -34,7 +34,7 @@ def rollout(
     gate: Gate,
     *,
     rng: np.random.Generator,
-    policy: Policy | None = None,
+    policy: Proposer | None = None,
     expert: Expert | None = None,
     listeners: Sequence[Listener] = (),
 ) -> Episode:
@@ -109,7 +109,7 @@ def rollout(
     return episode
 
 
-def _proposal(policy: Policy | None, observation: Observation, spec: ActionSpec) -> Action | None:
+def _proposal(policy: Proposer | None, observation: Observation, spec: ActionSpec) -> Action | None:
     if policy is None:
         return None
     try:

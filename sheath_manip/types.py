@@ -69,6 +69,9 @@ class ActionSpec:
     """(a,)"""
     choices: NDArray[np.float32] | None = None
     """(k, a) the admissible actions where the space is discrete"""
+    tolerance: float = 0.0
+    """by which share of its range each dimension of two actions may differ and they still count as
+    the same; 0 where the space is discrete"""
 
     def validated(self, action: Any) -> Action:
         """Return `action` as (a,) float32, or raise ActionError naming what is wrong with it."""

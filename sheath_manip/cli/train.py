@@ -121,7 +121,9 @@ class Train:
                 plan,
                 spec.name,
                 run_seed=self.seed,
-                agreement=lambda: held_out_agreement(fresh_policy, states),
+                agreement=lambda: held_out_agreement(
+                    fresh_policy, states, tolerance=spec.action.tolerance
+                ),
             )
         fitted.save(self.checkpoint)
 

@@ -1,7 +1,7 @@
 """Gates: who acts at each step, and which states get the expert's label."""
 
 from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
-from sheath_manip.gates.human import HumanGate, ScriptedPerson
+from sheath_manip.gates.human import HumanGate, ScriptedPerson, attentive_person
 from sheath_manip.gates.mixture import Mixture
 from sheath_manip.gates.query import QueryFilter
 from sheath_manip.gates.redrawing import redrawing
@@ -17,5 +17,6 @@ __all__ = [
     "RandomTakeover",
     "ScriptedPerson",
     "SupportGate",
+    "attentive_person",
     "redrawing",
 ]

@@ -6,10 +6,11 @@ Kelly et al. 2019, 'HG-DAgger: Interactive imitation learning with human experts
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Expert
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.types import Action, ActionSpec, Actor, GateDecision, Observation, Reason
 
 
 class Person(Protocol):
@@ -49,21 +50,21 @@ class ScriptedPerson:
     Takes over where the policy would do otherwise, and drives on for a while.
     """
 
-    def __init__(self, expert: Expert, tolerance: float = 1e-6, hold_steps: int = 0) -> None:
+    def __init__(self, expert: Expert, tolerance: ArrayLike = 1e-6, hold_steps: int = 0) -> None:
         """Store what the person knows and how patient it is.
 
         Args:
             expert: asked at every step, so it must not mind to be asked again by the rollout.
-            tolerance: largest difference of any dimension of the action, in its own unit, that
-                passes.
+            tolerance: largest difference of each dimension of the action, in its own unit, that
+                passes; a number for all or (a,) one each.
             hold_steps: that the person drives on after the last difference.
         """
-        if not (tolerance >= 0 and hold_steps >= 0):
+        if not (np.greater_equal(tolerance, 0).all() and hold_steps >= 0):
             raise ParameterError(
                 f"tolerance is {tolerance}, hold_steps {hold_steps}; wanted each at least 0"
             )
         self.expert = expert
-        self.tolerance = tolerance
+        self.tolerance = np.asarray(tolerance)
         self.hold_steps = hold_steps
         self._left = 0
 
@@ -73,9 +74,14 @@ class ScriptedPerson:
 
     def wants(self, observation: Observation, proposed: Action) -> bool:
         """Whether the expert would do otherwise now, or would have a moment ago."""
-        apart = float(np.abs(self.expert.act(observation) - proposed).max())
-        if apart > self.tolerance:
+        apart = np.abs(self.expert.act(observation) - proposed)
+        if (apart > self.tolerance).any():
             self._left = self.hold_steps
             return True
         self._left -= 1
         return self._left >= 0
+
+
+def attentive_person(expert: Expert, action: ActionSpec) -> ScriptedPerson:
+    """One who lets pass what the task counts as the same action, and nothing else."""
+    return ScriptedPerson(expert, 1e-6 + action.tolerance * (action.maximum - action.minimum))

@@ -4,7 +4,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from sheath_manip.protocols import Gate, Policy
+from sheath_manip.protocols import Gate, Proposer
 from sheath_manip.types import Action, GateDecision, Observation
 
 
@@ -38,6 +38,6 @@ class Redrawing:
         return self.gate.decide(observation, proposed)
 
 
-def redrawing(gate: Gate, policy: Policy | None) -> Gate:
+def redrawing(gate: Gate, policy: Proposer | None) -> Gate:
     """`gate`, made to seed the policy too where that one draws."""
     return Redrawing(gate, policy) if isinstance(policy, DrawingPolicy) else gate

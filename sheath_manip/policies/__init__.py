@@ -21,6 +21,7 @@ from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
 from sheath_manip.policies.smile import SmileMixture
+from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.policies.weighted_features import WeightedFeatures
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
@@ -32,6 +33,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "cnn": ConvPolicy,
     "plain-cnn": _plain_policy,
     "paper-cnn": partial(_plain_policy, channels=(16,)),
+    "spatial-cnn": SpatialPolicy,
     "hog-svm": HogSvm,
     "linear-svm": LinearSvm,
     # Ross et al. 2011 and the draft.

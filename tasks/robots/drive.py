@@ -23,6 +23,7 @@ ACTION = ActionSpec(
     names=(*(f"{kind}_{axis}" for kind in ("velocity", "turn") for axis in "xyz"), "grip"),
     minimum=-np.ones(7, np.float32),
     maximum=np.ones(7, np.float32),
+    tolerance=0.1,
 )
 """velocity and angular velocity of the tool in the world frame as shares of `TWIST_SCALE`; grip -1
 opens and 1 closes"""

@@ -98,7 +98,9 @@ class Judge:
                 learning, seed = at.learning, seed_for("policy", at.seed)
                 return make_policy(learning.policy, spec, seed, **learning.policy_settings)
 
-            agrees = held_out_agreement(fresh_policy, at.demonstrations())
+            agrees = held_out_agreement(
+                fresh_policy, at.demonstrations(), tolerance=spec.action.tolerance
+            )
             aside = path.with_suffix(".part")
             with aside.open("wb") as file:
                 np.save(file, agrees)

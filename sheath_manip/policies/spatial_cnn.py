@@ -1,0 +1,211 @@
+"""A convolution network that regresses continuous actions on all cameras and the features."""
+
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch.nn import functional
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.policies.scaling import Standardisation
+from sheath_manip.policies.spatial_network import SpatialNetwork
+from sheath_manip.protocols import Arrays
+from sheath_manip.types import Action, Observation, TaskSpec
+
+# As many as keep the first layer's output in cache.
+INFERENCE_BATCH = 128
+
+
+class SpatialPolicy:
+    """Least squares from the images of all cameras and the features to the expert's action.
+
+    The first fit is cold and learns how to standardise the features; each later one continues from
+    the present weights with a fresh optimiser. The same seed and the same samples in the same order
+    give the same weights.
+    """
+
+    def __init__(
+        self,
+        spec: TaskSpec,
+        channels: Sequence[int] = (16, 32, 32, 32),
+        hidden: Sequence[int] = (256, 256),
+        steps: int = 1500,
+        warm_steps: int = 400,
+        learning_rate: float = 1e-3,
+        warm_learning_rate: float = 5e-4,
+        batch_size: int = 128,
+        weight_decay: float = 1e-4,
+        seed: int = 0,
+    ) -> None:
+        """Store the hyperparameters; ParameterError where the task has no camera.
+
+        Args:
+            spec: of the task; all its cameras are looked at.
+            channels: filters of each of the four convolution layers.
+            hidden: width of each fully connected hidden layer.
+            steps: gradient steps of a cold fit, however many samples there are.
+            warm_steps: of a warm refit.
+            learning_rate: of Adam at its peak in a cold fit; it falls linearly to 0.
+            warm_learning_rate: likewise in a warm one.
+            batch_size: states a gradient step.
+            weight_decay: decoupled (AdamW).
+            seed: of the initial weights and of the order of the batches.
+        """
+        self.spec = spec
+        self.channels = tuple(channels)
+        self.hidden = tuple(hidden)
+        self.steps = steps
+        self.warm_steps = warm_steps
+        self.learning_rate = learning_rate
+        self.warm_learning_rate = warm_learning_rate
+        self.batch_size = batch_size
+        self.weight_decay = weight_decay
+        self.seed = seed
+        if not spec.cameras:
+            raise ParameterError(f"task {spec.name!r} has no camera; an image policy needs one")
+        self.network_: SpatialNetwork | None = None
+        self.scaling_ = Standardisation()
+        self.fits_ = 0
+
+    def fit(self, samples: Samples) -> Self:
+        """Fit to (n, a) labels; ParameterError for none."""
+        if len(samples) == 0:
+            raise ParameterError(
+                "no samples to fit a policy to; at least one labelled state is needed"
+            )
+        steps, rate = self.warm_steps, self.warm_learning_rate
+        if self.network_ is None:
+            steps, rate = self.steps, self.learning_rate
+            self.network_ = self._fresh_network()
+            self.scaling_.fit(samples.features)
+        # Each refit draws its own order of batches.
+        rng = np.random.default_rng([self.seed, self.fits_])
+        self._train(self.network_, samples, steps, rate, rng)
+        self.fits_ += 1
+        return self
+
+    def _fresh_network(self) -> SpatialNetwork:
+        return SpatialNetwork(
+            self.spec.cameras,
+            len(self.spec.feature_names),
+            len(self.spec.action.names),
+            self.channels,
+            self.hidden,
+            torch.Generator().manual_seed(self.seed),
+        )
+
+    def _train(
+        self,
+        network: SpatialNetwork,
+        samples: Samples,
+        steps: int,
+        rate: float,
+        rng: np.random.Generator,
+    ) -> None:
+        features = self.scaling_.transform(samples.features)
+        targets = self._to_unit(samples.labels)
+        optimiser = torch.optim.AdamW(
+            network.parameters(), rate, weight_decay=self.weight_decay, fused=True
+        )
+        network.train()
+        order = np.empty(0, dtype=np.int64)
+        for step in range(steps):
+            if len(order) == 0:
+                order = rng.permutation(len(samples))
+            batch, order = order[: self.batch_size], order[self.batch_size :]
+            for group in optimiser.param_groups:
+                group["lr"] = rate * (1 - step / steps)
+            images = {name: torch.from_numpy(samples.images[name][batch]) for name in network.eyes}
+            # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
+            with torch.autocast("cpu", torch.bfloat16):
+                outputs = network(images, torch.from_numpy(features[batch]), torch.bfloat16)
+            loss = functional.mse_loss(outputs.float(), torch.from_numpy(targets[batch]))
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+        network.eval()
+
+    def predict(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, a) actions within their bounds, for (n, h, w, 3) images by camera."""
+        network, scaled = self._fitted(), self.scaling_.transform(features)
+        outputs = np.empty((len(scaled), len(self.spec.action.names)), np.float32)
+        with torch.inference_mode():
+            for first in range(0, len(scaled), INFERENCE_BATCH):
+                batch = slice(first, first + INFERENCE_BATCH)
+                shown = {name: tensor_of(images[name][batch]) for name in network.eyes}
+                outputs[batch] = network(shown, torch.from_numpy(scaled[batch])).numpy()
+        return self._from_unit(outputs)
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) the action for one observation, within its bounds."""
+        images = {name: image[None] for name, image in observation.images.items()}
+        return self.predict(images, observation.features[None])[0]
+
+    def activations(self, images: Mapping[str, NDArray[np.uint8]]) -> dict[str, torch.Tensor]:
+        """(n, c, h, w) by camera: the last convolution layer's output, all held at once."""
+        network = self._fitted()
+        with torch.inference_mode():
+            return network.activations({name: tensor_of(images[name]) for name in network.eyes})
+
+    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+        """(n,) the largest deviation of any dimension from its label, as a share of its range.
+
+        Up to `ActionSpec.tolerance` it counts as doing what the expert would.
+        """
+        predicted = self.predict(samples.images, samples.features)
+        return largest_deviations(self.spec.action, predicted, samples.labels)
+
+    def arrays(self) -> Arrays:
+        """The weights by layer, the scaling of the features and the number of fits so far."""
+        state = self._fitted().state_dict()
+        weights = {name: tensor.contiguous().numpy().copy() for name, tensor in state.items()}
+        scaling = {f"scaling.{name}": array for name, array in self.scaling_.arrays().items()}
+        return {**weights, **scaling, "fits": np.array(self.fits_)}
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
+        scaling = {name: arrays[name] for name in arrays if name.startswith("scaling.")}
+        state = {
+            name: torch.from_numpy(np.array(array))
+            for name, array in arrays.items()
+            if name != "fits" and name not in scaling
+        }
+        network = self._fresh_network()
+        try:
+            network.load_state_dict(state)
+            self.scaling_.load({name.partition(".")[2]: scaling[name] for name in scaling})
+            self.fits_ = int(arrays["fits"])
+        except (RuntimeError, KeyError) as error:
+            raise ParameterError(
+                f"the weights are not those of a network with channels {self.channels}, hidden "
+                f"layers {self.hidden}, cameras {sorted(self.spec.cameras)}, "
+                f"{len(self.spec.feature_names)} features and {len(self.spec.action.names)} outputs"
+            ) from error
+        self.network_ = network.eval()
+        return self
+
+    def _to_unit(self, actions: NDArray) -> NDArray[np.float32]:
+        """(n, a) from the units of the action to -1..1 between its bounds."""
+        low, high = self.spec.action.minimum, self.spec.action.maximum
+        return ((2 * actions - low - high) / (high - low)).astype(np.float32)
+
+    def _from_unit(self, outputs: NDArray[np.float32]) -> NDArray[np.float32]:
+        low, high = self.spec.action.minimum, self.spec.action.maximum
+        actions = (low + high + outputs * (high - low)) / 2
+        return np.clip(actions, low, high).astype(np.float32)
+
+    def _fitted(self) -> SpatialNetwork:
+        if self.network_ is None:
+            raise ParameterError("the policy is not fitted yet; call fit or load first")
+        return self.network_
+
+
+def tensor_of(images: NDArray[np.uint8]) -> torch.Tensor:
+    """The images as they are, or a copy where the array is read-only (a memory map)."""
+    return torch.from_numpy(images if images.flags.writeable else images.copy())
