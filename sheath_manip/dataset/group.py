@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
 
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
@@ -33,19 +34,19 @@ def write_group(directory: Path, header: Header, arrays: Arrays) -> None:
         )
 
 
-def read_array(directory: Path, spec: ArraySpec) -> NDArray:
-    """The array `spec` of the episode in `directory`, decompressed; raises FaultError."""
+def read_array(name: str, group: Path | Store, spec: ArraySpec) -> NDArray:
+    """The array `spec` of the episode `name`, whose zarr group is at `group`; raises FaultError."""
     try:
-        array = zarr.open_array(directory, path=spec.path, mode="r", zarr_format=3)
+        array = zarr.open_array(group, path=spec.path, mode="r", zarr_format=3)
     except FileNotFoundError as error:
         raise FaultError(
-            directory.name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
+            name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
         ) from error
     except Exception as error:
-        raise _unreadable(directory, spec, error) from error
+        raise _unreadable(name, spec, error) from error
     if array.shape != spec.shape or array.dtype != np.dtype(spec.dtype):
         raise FaultError(
-            directory.name,
+            name,
             FaultKind.MISMATCH,
             f"{spec.path} is {array.dtype} {array.shape}; "
             f"its header wants {spec.dtype} {spec.shape}; {REMEDY}",
@@ -53,14 +54,14 @@ def read_array(directory: Path, spec: ArraySpec) -> NDArray:
     if array.nchunks_initialized != array.nchunks:
         # zarr itself would fill the gap with zeros.
         raise FaultError(
-            directory.name,
+            name,
             FaultKind.MISSING,
             f"{spec.path} has {array.nchunks_initialized} of {array.nchunks} chunks; {REMEDY}",
         )
     try:
         return np.asarray(array[...])
     except Exception as error:
-        raise _unreadable(directory, spec, error) from error
+        raise _unreadable(name, spec, error) from error
 
 
 def _chunks(spec: ArraySpec) -> tuple[int, ...]:
@@ -72,9 +73,9 @@ def _chunks(spec: ArraySpec) -> tuple[int, ...]:
     return whole
 
 
-def _unreadable(directory: Path, spec: ArraySpec, error: Exception) -> FaultError:
+def _unreadable(name: str, spec: ArraySpec, error: Exception) -> FaultError:
     """Whatever zarr and its codecs raise (they share no class) as one line."""
     reason = str(error).splitlines()[0] if str(error) else type(error).__name__
     return FaultError(
-        directory.name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({reason}); {REMEDY}"
+        name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({reason}); {REMEDY}"
     )

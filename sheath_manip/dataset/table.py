@@ -8,7 +8,8 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.dataset.check import check_entries, check_episode
-from sheath_manip.dataset.store import EpisodeStore, EpisodeSummary
+from sheath_manip.dataset.reader import EpisodeSummary
+from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 
 
