@@ -2,32 +2,16 @@
 
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.layout import layout
-from sheath_manip.dataset.marker import MARKER
-from sheath_manip.dataset.naming import LEFTOVER_PREFIX, is_episode_name
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.steps import not_finite, require_known_codes
-from sheath_manip.dataset.store import EpisodeStore
 
 
-def check(store: EpisodeStore) -> list[Fault]:
-    """Every fault in `store`; decompresses all of it. A NaN score is none."""
+def check(reader: EpisodeReader) -> list[Fault]:
+    """Every fault in a store; decompresses all of it. A NaN score is none."""
     return [
-        *check_entries(store),
-        *(fault for name in store.names() for fault in check_episode(store, name)),
+        *reader.entry_faults(),
+        *(fault for name in reader.names() for fault in check_episode(reader, name)),
     ]
-
-
-def check_entries(store: EpisodeStore) -> list[Fault]:
-    """The leftovers, and what does not belong into the directory."""
-    faults = []
-    for entry in sorted(store.path.iterdir()):
-        if entry.name.startswith(LEFTOVER_PREFIX):
-            text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
-            faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
-        elif entry.name != MARKER and not (entry.is_dir() and is_episode_name(entry.name)):
-            text = "neither an episode nor the store's own; move it away"
-            faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
-    return faults
 
 
 def check_episode(reader: EpisodeReader, name: str) -> list[Fault]:

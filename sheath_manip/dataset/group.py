@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import zarr
 from numpy.typing import NDArray
-from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
+from zarr.storage import StorePath
 
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, to_attributes
@@ -34,7 +34,7 @@ def write_group(directory: Path, header: Header, arrays: Arrays) -> None:
         )
 
 
-def read_array(name: str, group: Path | Store, spec: ArraySpec) -> NDArray:
+def read_array(name: str, group: Path | StorePath, spec: ArraySpec) -> NDArray:
     """The array `spec` of the episode `name`, whose zarr group is at `group`; raises FaultError."""
     try:
         array = zarr.open_array(group, path=spec.path, mode="r", zarr_format=3)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.faults import Fault
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec, layout
 from sheath_manip.dataset.recorded import Recorded
@@ -59,6 +60,10 @@ class EpisodeReader(ABC):
     @abstractmethod
     def content(self, name: str, file: str) -> bytes:
         """What is in one of the `files` of an episode."""
+
+    @abstractmethod
+    def entry_faults(self) -> list[Fault]:
+        """What else is in that place."""
 
     def summary(self, name: str) -> EpisodeSummary:
         """One episode at a glance; raises StoreError where its header cannot be read."""

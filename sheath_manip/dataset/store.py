@@ -6,17 +6,18 @@ read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no r
 
 import shutil
 import uuid
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
 
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.durable import publish
+from sheath_manip.dataset.durable import publish, sync
+from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.group import read_array, write_group
 from sheath_manip.dataset.header import Header, header_of, read_header
 from sheath_manip.dataset.layout import ArraySpec
-from sheath_manip.dataset.marker import require_marker, write_marker
+from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
 from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
@@ -87,11 +88,44 @@ class EpisodeStore(EpisodeReader):
                 f"{name}: an action in {array!r} is not finite; "
                 "check actions with ActionSpec.validated"
             )
-        aside = self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+        needed_bytes = sum(array.nbytes for array in arrays.values())
+        self._publish(name, needed_bytes, lambda aside: write_group(aside, header, arrays))
+        return name
+
+    def copy_from(self, source: EpisodeReader, name: str) -> None:
+        """Write the episode `name` of `source` here, byte for byte.
+
+        Raises StoreError as `append` does, and where `source` cannot give it.
+        """
+        files = source.files(name)
+
+        def write(aside: Path) -> None:
+            for file in files:
+                (aside / file).parent.mkdir(parents=True, exist_ok=True)
+                (aside / file).write_bytes(source.content(name, file))
+
+        self._publish(name, sum(files.values()), write)
+
+    def drop(self, name: str) -> None:
+        """Delete the episode for good, damaged or not; raises StoreError where there is none."""
+        if not is_episode_name(name) or not (self.path / name).is_dir():
+            raise no_such_episode(self.address, name)
+        aside = self._aside()
         try:
-            self._require_space(sum(array.nbytes for array in arrays.values()))
-            write_group(aside, header, arrays)
-            publish(aside, final)
+            # At once out of every reader's sight; a crash leaves it to `sheath data repair`.
+            (self.path / name).rename(aside)
+            sync(self.path)
+            shutil.rmtree(aside)
+        except OSError as error:
+            raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
+
+    def _publish(self, name: str, needed_bytes: int, write: Callable[[Path], None]) -> None:
+        """Let `write` fill a directory aside, then give it its name."""
+        aside = self._aside()
+        try:
+            self._require_space(needed_bytes)
+            write(aside)
+            publish(aside, self.path / name)
         except FileExistsError as error:
             raise _taken(self.path, name) from error
         except OSError as error:
@@ -99,7 +133,9 @@ class EpisodeStore(EpisodeReader):
         finally:
             # After a success there is nothing left of that name.
             shutil.rmtree(aside, ignore_errors=True)
-        return name
+
+    def _aside(self) -> Path:
+        return self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
 
     def has(self, info: EpisodeInfo) -> bool:
         """Whether the episode of `info` is stored, so that a resumed run may skip it.
@@ -153,6 +189,18 @@ class EpisodeStore(EpisodeReader):
             return (self.path / name / file).read_bytes()
         except OSError as error:
             raise StoreError(f"cannot read {file} of {name} in {self.path} ({error})") from error
+
+    def entry_faults(self) -> list[Fault]:
+        """The leftovers, and what does not belong into the directory."""
+        faults = []
+        for entry in sorted(self.path.iterdir()):
+            if entry.name.startswith(LEFTOVER_PREFIX):
+                text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
+                faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
+            elif entry.name != MARKER and not (entry.is_dir() and is_episode_name(entry.name)):
+                text = "neither an episode nor the store's own; move it away"
+                faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
+        return faults
 
     def _directory(self, info: EpisodeInfo) -> Path:
         name = episode_name(info)

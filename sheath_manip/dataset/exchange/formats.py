@@ -1,24 +1,24 @@
 """The formats that are known here, each imported only when it is asked for."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from enum import StrEnum
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from sheath_manip.dataset.exchange.selection import ActionChoice
-from sheath_manip.dataset.exchange.track import Track
+from sheath_manip.dataset.exchange.track import DefaultKeys, Track
 from sheath_manip.dataset.recorded import Recorded
 
 Writer = Callable[[Path, Iterable[Recorded], ActionChoice], None]
-"""Writes episodes to a path where nothing is; raises StoreError where the format cannot hold them."""
+"""Writes episodes to a path where nothing is; raises StoreError where the format has no place."""
 
 
 class ForeignFile(Protocol):
     """A file of another tool's format, ours or another's; its constructor takes its path."""
 
-    default_keys: Mapping[str, tuple[str, ...]]
-    """what the format's own names mean, as in `KeyMap`"""
+    default_keys: ClassVar[DefaultKeys]
+    """what the format's own names mean"""
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""

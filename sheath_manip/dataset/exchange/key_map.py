@@ -50,8 +50,8 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
     """The episode as a demonstration: the file's action is what the expert said and did.
 
     A file that holds no observation after the last action gets the last one again. How the episode
-    ended is not told either: it counts as terminated. Raises StoreError where a key is missing or of a
-    wrong shape.
+    ended is not told either: it counts as terminated. Raises StoreError where a key is missing or
+    of a wrong shape.
     """
     if "action" not in key_map.keys:
         raise _missing("action", ("action",), track)
@@ -142,7 +142,8 @@ def _as_ours(ours: str, parts: list[NDArray], theirs: tuple[str, ...]) -> NDArra
         whole = image.astype(np.uint8)
         if not np.array_equal(whole, image):
             raise StoreError(
-                f"{theirs[0]} is {image.dtype} and not in whole numbers 0 .. 255; wanted RGB in bytes"
+                f"{theirs[0]} is {image.dtype} and not in whole numbers 0 .. 255; "
+                "wanted RGB in bytes"
             )
         return whole
     flat = [part.reshape(len(part), -1) for part in parts]

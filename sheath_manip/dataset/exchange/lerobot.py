@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.exchange.extras import needs
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.uniform import uniform
+from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.header import to_attributes
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
@@ -31,7 +31,10 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
 
 with needs("lerobot", "lerobot"):
-    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+    # Not among the development packages: it wants a torch before 2.11.
+    from lerobot.datasets.lerobot_dataset import (  # pyright: ignore[reportMissingImports]
+        LeRobotDataset,
+    )
 
 HEADERS = "meta/sheath.json"
 _RENAMED = {"features": "observation.state", "reward": "next.reward"}

@@ -1,9 +1,9 @@
 """Minari's dataset of Farama, written by Minari itself.
 
-An episode has T+1 observations, a dictionary of `image_CAMERA` and `features`, and T actions (the one
-that was chosen for export), rewards, terminations and truncations. `infos` holds every other array of
-`layout` by its name there, with T rows, or T+1 of what is observed (`time_s`, `state`). Each episode's
-metadata holds its header as `sheath`. Images are stored as they are, not as JPEG.
+An episode has T+1 observations, a dictionary of `image_CAMERA` and `features`, and T actions (the
+one that was chosen for export), rewards, terminations and truncations. `infos` holds every other
+array of `layout` by its name there, with T rows, or T+1 of what is observed (`time_s`, `state`).
+Each episode's metadata holds its header as `sheath`. Images are stored as they are, not as JPEG.
 """
 
 import json
@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.exchange.extras import needs
 from sheath_manip.dataset.exchange.replay_buffer import flat
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.uniform import uniform
+from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.header import to_attributes
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded

@@ -9,8 +9,8 @@
 | `meta/final_NAME` | (E, ...) what was observed after each episode's last action |
 | `meta/terminated`, `meta/truncated`, `meta/success` | (E,) bool |
 
-Their readers are of zarr 2, take the arrays in `data` for as long as the last of `episode_ends`, and
-want both groups flat. The attribute `sheath` holds the header of each episode.
+Their readers are of zarr 2, take the arrays in `data` for as long as the last of `episode_ends`,
+and want both groups flat. The attribute `sheath` holds the header of each episode.
 """
 
 import shutil
@@ -18,7 +18,7 @@ import zipfile
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import zarr
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from zarr.storage import LocalStore, ZipStore
 
 from sheath_manip.dataset.exchange.selection import ActionChoice
-from sheath_manip.dataset.exchange.track import Track, one_line
+from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.group import FRAMES_PER_CHUNK
 from sheath_manip.dataset.header import from_attributes, to_attributes
@@ -106,7 +106,7 @@ def _pack(folder: Path, target: Path) -> None:
 class ReplayBufferFile:
     """A ReplayBuffer to import, ours or another's; raises StoreError where `path` is none."""
 
-    default_keys = {"action": ("action",)}
+    default_keys: ClassVar[DefaultKeys] = {"action": ("action",)}
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -17,14 +17,14 @@
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.exchange.extras import needs
 from sheath_manip.dataset.exchange.selection import ActionChoice
-from sheath_manip.dataset.exchange.track import Track, one_line
+from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
+from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.header import from_attributes, to_attributes
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
@@ -104,26 +104,31 @@ def _write(demo: h5py.Group, name: str, values: NDArray) -> None:
 class RobomimicFile:
     """An HDF5 file of robomimic's to import, ours or another's; raises StoreError if it is none."""
 
-    default_keys = {"action": ("actions",), "reward": ("rewards",), "state": ("states",)}
+    default_keys: ClassVar[DefaultKeys] = {
+        "action": ("actions",),
+        "reward": ("rewards",),
+        "state": ("states",),
+    }
 
     def __init__(self, path: Path) -> None:
         self.path = path
         if not path.is_file():
             raise StoreError(f"wanted a robomimic HDF5 file at {path}, found none")
         with one_line(path, "a robomimic HDF5 file"), h5py.File(path, "r") as file:
-            self._demos = sorted(file["data"], key=_number)
+            data: Any = file["data"]
+            self._demos = sorted(data, key=_number)
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
         with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-            ours = [ATTRIBUTE in file["data"][demo].attrs for demo in self._demos]
+            ours = [ATTRIBUTE in _demo(file, demo).attrs for demo in self._demos]
         return self._ours() if ours and all(ours) else None
 
     def tracks(self) -> Iterator[Track]:
         """Each episode by the file's own keys, those of observations as `obs/NAME`."""
         for demo in self._demos:
             with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-                group, keys = file["data"][demo], []
+                group, keys = _demo(file, demo), []
                 group.visititems(
                     lambda key, item, keys=keys: (
                         keys.append(key) if isinstance(item, h5py.Dataset) and item.shape else None
@@ -142,7 +147,7 @@ class RobomimicFile:
     def _ours(self) -> Iterator[Recorded]:
         for demo in self._demos:
             with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-                attributes: Any = json.loads(file["data"][demo].attrs[ATTRIBUTE])
+                attributes: Any = json.loads(_demo(file, demo).attrs[ATTRIBUTE])
             header = from_attributes(f"{demo} of {self.path}", attributes)
             arrays = {}
             for spec in layout(header):
@@ -158,7 +163,12 @@ class RobomimicFile:
 
     def _read(self, demo: str, key: str) -> NDArray:
         with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-            return np.asarray(file["data"][demo][key][()])
+            return np.asarray(_demo(file, demo)[key][()])
+
+
+def _demo(file: h5py.File, demo: str) -> Any:
+    """The group of an episode; untyped, since h5py cannot tell a group's from a dataset's entries."""
+    return file[f"data/{demo}"]
 
 
 def _number(demo: str) -> tuple[int, str]:

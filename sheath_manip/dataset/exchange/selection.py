@@ -54,9 +54,9 @@ class Selection:
 def selected(reader: EpisodeReader, selection: Selection) -> Iterator[Recorded]:
     """What is taken of each episode, read when it is asked for, in the order (round, index, name).
 
-    Where steps in the middle are left out, each run of those taken is an episode of its own, so that
-    consecutive frames stay consecutive in time. Raises StoreError where an episode is damaged, and
-    where nothing at all is taken.
+    Where steps in the middle are left out, each run of those taken is an episode of its own, so
+    that consecutive frames stay consecutive in time. Raises StoreError where an episode is damaged,
+    and where nothing at all is taken.
     """
     headers = {name: reader.header(name) for name in reader.names()}
     order = sorted(headers, key=lambda n: (headers[n].info.round, headers[n].info.index, n))
@@ -89,8 +89,8 @@ def by_expert(recorded: Recorded) -> NDArray[np.bool_]:
 def piece(recorded: Recorded, start: int, stop: int) -> Recorded:
     """The steps `start` .. `stop` (exclusive) as an episode of their own.
 
-    Its method tells from which step it is, and its final observation is that of step `stop`. One cut
-    off before the end of the whole counts as truncated, since nothing ended there.
+    Its method tells from which step it is, and its final observation is that of step `stop`. One
+    cut off before the end of the whole counts as truncated, since nothing ended there.
     """
     header, arrays = recorded.header, recorded.arrays
     if (start, stop) == (0, header.length):

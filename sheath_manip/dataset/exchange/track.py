@@ -1,6 +1,6 @@
 """One episode of another tool's file, before its keys are given a meaning."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +8,9 @@ from pathlib import Path
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import SheathError, StoreError
+
+DefaultKeys = Mapping[str, tuple[str, ...]]
+"""what a format's own names mean, as in `KeyMap`"""
 
 
 @dataclass(frozen=True)
