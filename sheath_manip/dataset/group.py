@@ -1,16 +1,16 @@
 """One episode as one zarr (format 3) group."""
 
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
-from zarr.codecs import ZstdCodec
 from zarr.storage import StorePath
 
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, to_attributes
 from sheath_manip.dataset.layout import Arrays, ArraySpec, layout
+from sheath_manip.dataset.zarr_files import write_array, write_group_file
 
 FRAMES_PER_CHUNK = 64
 """Chunks of single frames take ten times as long to write and compress far worse."""
@@ -18,20 +18,12 @@ FRAMES_PER_CHUNK = 64
 
 def write_group(directory: Path, header: Header, arrays: Arrays) -> None:
     """Write an episode into `directory`, which must not exist yet; raises OSError."""
-    group = zarr.create_group(directory, zarr_format=3, attributes=to_attributes(header))
+    write_group_file(directory, to_attributes(header))
     for spec in layout(header):
-        array = arrays[spec.path]
-        group.create_array(
-            spec.path,
-            data=array,
-            chunks=_chunks(spec),
-            # The checksum finds a changed byte; a higher level or a bit shuffle only costs time.
-            compressors=ZstdCodec(level=1, checksum=True),
-            # One directory an array instead of one a dimension: there is less to sync.
-            chunk_key_encoding={"name": "default", "separator": "."},
-            # A chunk of zeros would otherwise look the same as a lost one.
-            config={"write_empty_chunks": True},
-        )
+        for parent in reversed(PurePosixPath(spec.path).parents[:-1]):
+            if not (directory / parent).exists():
+                write_group_file(directory / parent, {})
+        write_array(directory / spec.path, arrays[spec.path], _chunks(spec))
 
 
 def read_array(name: str, group: Path | StorePath, spec: ArraySpec) -> NDArray:

@@ -49,6 +49,8 @@ class RemoteStore(EpisodeReader):
     def __init__(self, url: str) -> None:
         self.url = url.rstrip("/")
         self._objects = _opened(self.url)
+        # An episode never changes, so its manifest is asked for once.
+        self._manifests: dict[str, Mapping[str, Any]] = {}
         with self._reaching(MARKER, missing=f"wanted an episode store at {url}, found no {MARKER}"):
             parse_marker(self.url, self._get(MARKER))
 
@@ -112,6 +114,7 @@ class RemoteStore(EpisodeReader):
 
     def copy_from(self, source: EpisodeReader, name: str) -> None:
         """Put the episode `name` of `source` here, byte for byte, its manifest last."""
+        self._manifests.pop(name, None)
         entries = {}
         with self._reaching(name):
             for file in source.files(name):
@@ -126,6 +129,7 @@ class RemoteStore(EpisodeReader):
         """Delete the episode for good, its manifest first; raises StoreError if there is none."""
         if name not in self.names():
             raise no_such_episode(self.url, name)
+        self._manifests.pop(name, None)
         with self._reaching(name):
             obstore.delete(self._objects, _manifest_path(name))
             listed = [entry["path"] for page in obstore.list(self._objects, name) for entry in page]
@@ -152,6 +156,8 @@ class RemoteStore(EpisodeReader):
         return bytes(obstore.get(self._objects, path).bytes())
 
     def _manifest(self, name: str) -> Mapping[str, Any]:
+        if name in self._manifests:
+            return self._manifests[name]
         if not is_episode_name(name):
             raise no_such_episode(self.url, name)
         try:
@@ -171,6 +177,7 @@ class RemoteStore(EpisodeReader):
             raise FaultError(
                 name, FaultKind.UNREADABLE, f"its manifest is broken ({error}); push it again"
             ) from error
+        self._manifests[name] = files
         return files
 
     @contextmanager
@@ -186,12 +193,9 @@ class RemoteStore(EpisodeReader):
 
 def _opened(url: str) -> Any:
     try:
-        return from_url(
-            url,
-            # A server that is not there is told within seconds, not minutes.
-            client_options={"connect_timeout": "5s", "timeout": "60s"},
-            retry_config={"max_retries": 3, "retry_timeout": timedelta(seconds=30)},
-        )
+        # A server that is not there is told within seconds, not minutes.
+        retries: Any = {"max_retries": 3, "retry_timeout": timedelta(seconds=30)}
+        return from_url(url, retry_config=retries)
     except (BaseError, ValueError, OSError) as error:
         raise _unreachable(url, error) from error
 
@@ -211,7 +215,8 @@ def _is_entry(file: str, entry: Any) -> bool:
 
 
 def _unreachable(url: str, error: Exception) -> StoreError:
-    reason = " ".join(str(error).split())
+    # What follows is the whole tree of causes in Rust's notation.
+    reason = " ".join(str(error).partition("Debug source")[0].split())
     return StoreError(
         f"cannot reach {url} ({reason:.200}); see its URL, AWS_ENDPOINT_URL, AWS_REGION and the "
         "credentials in the environment"

@@ -21,7 +21,12 @@ from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
 from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.dataset.steps import arrays_of, not_finite
+from sheath_manip.dataset.steps import (
+    arrays_of,
+    not_finite,
+    require_known_codes,
+    require_layout,
+)
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, EpisodeInfo
 
@@ -83,6 +88,8 @@ class EpisodeStore(EpisodeReader):
         name = final.name
         if final.exists():
             raise _taken(self.path, name)
+        require_layout(header, arrays)
+        require_known_codes(header, arrays)
         for array in not_finite(arrays):
             raise StoreError(
                 f"{name}: an action in {array!r} is not finite; "

@@ -55,16 +55,16 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
     """
     if "action" not in key_map.keys:
         raise _missing("action", ("action",), track)
-    columns = {ours: _column(track, ours, theirs) for ours, theirs in key_map.keys.items()}
-    finals = {ours: _final(track, columns[ours], names) for ours, names in key_map.keys.items()}
     length = track.length
-    nothing = np.zeros((length, 0))
-    features = columns.get("features", nothing.astype(np.float32))
-    state = columns.get("state", nothing)
-    action = columns["action"]
+    columns = {
+        "features": np.zeros((length, 0), np.float32),
+        "state": np.zeros((length, 0)),
+        "reward": np.zeros((length, 1)),
+        **{ours: _column(track, ours, theirs) for ours, theirs in key_map.keys.items()},
+    }
+    action = columns.pop("action")
+    reward = columns.pop("reward")[:, 0]
     cameras = [ours for ours in columns if ours.startswith("images/")]
-    rate_hz = info.control_rate_hz
-    observed = {**{camera: columns[camera] for camera in cameras}, "features": features}
     header = Header(
         info=info,
         length=length,
@@ -72,8 +72,8 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
             camera.removeprefix("images/"): (columns[camera].shape[1], columns[camera].shape[2])
             for camera in cameras
         },
-        feature_size=features.shape[1],
-        state_size=state.shape[1],
+        feature_size=columns["features"].shape[1],
+        state_size=columns["state"].shape[1],
         action_size=action.shape[1],
         terminated=True,
         truncated=False,
@@ -89,9 +89,8 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
     return Recorded(
         header,
         {
-            **observed,
-            "time_s": np.arange(length) / rate_hz,
-            "state": state,
+            **columns,
+            "time_s": np.arange(length) / info.control_rate_hz,
             "proposed": np.full_like(action, np.nan),
             "has_proposed": np.zeros(length, bool),
             "labelled": action,
@@ -103,10 +102,12 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
             "query": np.ones(length, bool),
             "score": np.full(length, np.nan),
             "threshold": np.full(length, np.nan),
-            "reward": columns.get("reward", np.zeros((length, 1)))[:, 0],
-            **{f"final/{name}": finals.get(name, values[-1]) for name, values in observed.items()},
-            "final/time_s": np.array(length / rate_hz),
-            "final/state": finals.get("state", state[-1]),
+            "reward": reward,
+            "final/time_s": np.array(length / info.control_rate_hz),
+            **{
+                f"final/{ours}": _final(track, ours, values, key_map.keys.get(ours, ()))
+                for ours, values in columns.items()
+            },
         },
     )
 
@@ -123,13 +124,12 @@ def _column(track: Track, ours: str, theirs: tuple[str, ...]) -> NDArray:
     return _as_ours(ours, parts, theirs)
 
 
-def _final(track: Track, column: NDArray, theirs: tuple[str, ...]) -> NDArray:
+def _final(track: Track, ours: str, column: NDArray, theirs: tuple[str, ...]) -> NDArray:
     """(...) after the last action."""
     parts = [track.final(key) for key in theirs]
     known = [np.asarray(part)[None] for part in parts if part is not None]
-    if len(known) < len(parts):
-        return column[-1]
-    return _as_ours("images/" if column.ndim == 4 else "", known, theirs)[0].astype(column.dtype)
+    # Without one of its keys it is not known: the last of the column has to do.
+    return _as_ours(ours, known, theirs)[0] if known and len(known) == len(parts) else column[-1]
 
 
 def _as_ours(ours: str, parts: list[NDArray], theirs: tuple[str, ...]) -> NDArray:

@@ -10,6 +10,7 @@ import json
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,8 +74,10 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
 
 
 def _buffer(recorded: Recorded, action: ActionChoice, number: int) -> EpisodeBuffer:
-    header, arrays = recorded.header, recorded.arrays
-    last = np.arange(header.length) == header.length - 1
+    header = recorded.header
+    # Minari asks for lists in its types and takes arrays.
+    arrays: Any = recorded.arrays
+    last: Any = np.arange(header.length) == header.length - 1
     infos = {}
     for spec in layout(header):
         if spec.path.startswith(("images/", "features", "final/")):

@@ -167,7 +167,7 @@ class RobomimicFile:
 
 
 def _demo(file: h5py.File, demo: str) -> Any:
-    """The group of an episode; untyped, since h5py cannot tell a group's from a dataset's entries."""
+    """The group of an episode; untyped, since h5py cannot tell a group from a dataset."""
     return file[f"data/{demo}"]
 
 
