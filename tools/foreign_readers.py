@@ -1,6 +1,6 @@
 """Other projects' own loaders read what is exported here, each in a venv without this project.
 
-    python -m tools.foreign_readers DIRECTORY [--readers zarr2 robomimic minari lerobot] [--store STORE]
+    python -m tools.foreign_readers DIRECTORY [--readers zarr2 robomimic ...] [--store STORE]
 
 makes the venvs under DIRECTORY, once, exports the episodes of STORE (by default some synthetic
 ones), and compares what each loader gives with what was stored. robomimic and LeRobot are installed
@@ -83,6 +83,7 @@ READERS = {
             "numpy==2.3.*",
             "packaging<26",
             "pandas",
+            "pillow",
             "termcolor",
             "torch==2.13.0",
             # For our side of its writer.
@@ -100,9 +101,9 @@ def make_venv(directory: Path, reader: Reader) -> Path:
     if not stamp.exists():
         venv.create(directory, with_pip=True, clear=directory.exists())
         pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        subprocess.run([*pip, *reader.packages], check=True)
+        subprocess.run([*pip, *reader.packages], check=True, env=_without_project())
         if reader.bare:
-            subprocess.run([*pip, "--no-deps", *reader.bare], check=True)
+            subprocess.run([*pip, "--no-deps", *reader.bare], check=True, env=_without_project())
         stamp.touch()
     return python
 
@@ -146,7 +147,7 @@ def read_back(reader: Reader, python: Path, store: EpisodeStore, folder: Path) -
 
 def run(python: Path, script: str, *arguments: Path, project: bool = False) -> str:
     """The last line that a script prints in a venv."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    environment = _without_project()
     # LeRobot would ask its hub about a data set that is here; nobody answers.
     environment |= {"HF_HUB_OFFLINE": "1", "HF_DATASETS_DISABLE_PROGRESS_BARS": "1"}
     if project:
@@ -159,6 +160,10 @@ def run(python: Path, script: str, *arguments: Path, project: bool = False) -> s
         check=True,
     )
     return done.stdout.strip().splitlines()[-1]
+
+
+def _without_project() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
