@@ -1,10 +1,12 @@
 """Kill a recording process again and again, and see what its episode store has lost: nothing, ever.
 
-    python -m tools.kill_recorder --kills 30
+    python -m tools.kill_recorder --kills 30 --writers 2 --polls 10000
 
-A child records synthetic episodes for ever into one store and is killed with SIGKILL at a random
-moment, mostly in the middle of a write. At the end every committed episode must still be there and
-equal, to the bit, to what was recorded. Exits with 1 where one is damaged or gone.
+Children record synthetic episodes for ever into one store and are killed with SIGKILL, each at a
+random moment, mostly in the middle of a write, while this process looks into the store again and
+again. Each look must find all episodes that were there before, and one of them, drawn by chance,
+equal to the bit to what was recorded; at the end all of them. Exits with 1 where one is damaged,
+torn or gone.
 """
 
 import argparse
@@ -13,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -23,6 +26,7 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
     Actor,
     Episode,
@@ -52,6 +56,8 @@ class KillReport:
     disappeared: tuple[str, ...]
     """episodes that were committed once and are not there"""
     leftovers: int
+    polls: int = 0
+    """looks into the store while it was written to"""
 
     @property
     def lossless(self) -> bool:
@@ -62,7 +68,7 @@ class KillReport:
         return (
             f"{self.kills} kills, {self.committed} committed episodes, "
             f"{len(self.damaged)} damaged, {len(self.disappeared)} disappeared, "
-            f"{self.leftovers} leftovers"
+            f"{self.leftovers} leftovers, {self.polls} polls"
         )
 
 
@@ -124,28 +130,31 @@ def identical(a: Episode, b: Episode) -> bool:
     return _as_bits(a) == _as_bits(b)
 
 
-def kill_recorder(path: Path, kills: int, seed: int = 0) -> KillReport:
-    """Kill a recorder into the store at `path` `kills` times, then look at what it left."""
+def kill_recorder(
+    path: Path, kills: int, seed: int = 0, writers: int = 1, polls: int = 0
+) -> KillReport:
+    """Kill recorders into the store at `path` `kills` times, then look at what they left.
+
+    `writers` of them record at a time, and the store is looked into at least `polls` times.
+    """
     rng = np.random.default_rng(seed)
-    store = EpisodeStore.create(path)
-    committed: set[str] = set()
-    for run in range(kills):
-        committed |= _record_until_killed(path, run, float(rng.uniform(0.0, LONGEST_WAIT_S)))
-        committed |= set(store.names())
-    names = store.names()
-    faults = check(store)
-    damaged = {fault.name for fault in faults if fault.damaging}
-    for name in set(names) - damaged:
-        episode = store.read(name)
-        recorded = synthetic_episode(synthetic_info(episode.info.run_seed, episode.info.index))
-        if episode_name(recorded.info) != name or not identical(episode, recorded):
-            damaged.add(name)
+    poller = _Poller(EpisodeStore.create(path), rng)
+    for run in range(0, kills, writers):
+        runs = range(run, min(run + writers, kills))
+        share = polls * (runs.stop) // kills
+        poller.committed |= _record_until_killed(path, runs, poller, rng, share)
+    poller.look()
+    store = poller.store
+    names, faults = store.names(), check(store)
+    damaged = poller.damaged | {fault.name for fault in faults if fault.damaging}
+    damaged |= {name for name in set(names) - damaged if not _as_recorded(store, name)}
     return KillReport(
         kills=kills,
         committed=len(names),
         damaged=tuple(sorted(damaged)),
-        disappeared=tuple(sorted(committed - set(names))),
+        disappeared=tuple(sorted(poller.disappeared)),
         leftovers=sum(fault.kind is FaultKind.LEFTOVER for fault in faults),
+        polls=poller.polls,
     )
 
 
@@ -161,36 +170,97 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line; the exit code is 1 where an episode was harmed."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--kills", type=int, default=30)
+    parser.add_argument("--writers", type=int, default=1, help="recorders at a time")
+    parser.add_argument("--polls", type=int, default=0, help="looks into the store, at least")
     parser.add_argument("--seed", type=int, default=0, help="of the moments of the kills")
     options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
-        report = kill_recorder(Path(folder, "store"), options.kills, options.seed)
+        report = kill_recorder(
+            Path(folder, "store"), options.kills, options.seed, options.writers, options.polls
+        )
     print(report)
     for name in (*report.damaged, *report.disappeared):
         print(name)
     return 0 if report.lossless else 1
 
 
-def _record_until_killed(path: Path, run: int, wait_s: float) -> set[str]:
-    """The episodes that a child had reported as committed when it was killed."""
+class _Poller:
+    """Looks into a store, and remembers what it has seen there and what was wrong."""
+
+    def __init__(self, store: EpisodeStore, rng: np.random.Generator) -> None:
+        self.store = store
+        self.rng = rng
+        self.polls = 0
+        self.committed: set[str] = set()
+        """what was there once, or what a recorder said it had committed"""
+        self.damaged: set[str] = set()
+        self.disappeared: set[str] = set()
+
+    def look(self) -> None:
+        """List the store, and read one of its episodes."""
+        names = self.store.names()
+        self.polls += 1
+        self.disappeared |= self.committed - set(names)
+        self.committed |= set(names)
+        if names:
+            name = names[int(self.rng.integers(len(names)))]
+            if not _as_recorded(self.store, name):
+                self.damaged.add(name)
+
+
+def _as_recorded(store: EpisodeStore, name: str) -> bool:
+    """Whether the store gives the synthetic episode of that name back, to the bit."""
+    try:
+        episode = store.read(name)
+    except StoreError:
+        return False
+    recorded = synthetic_episode(synthetic_info(episode.info.run_seed, episode.info.index))
+    return episode_name(recorded.info) == name and identical(episode, recorded)
+
+
+def _record_until_killed(
+    path: Path, runs: Sequence[int], poller: _Poller, rng: np.random.Generator, polls: int
+) -> set[str]:
+    """The episodes that children had reported as committed when they were killed.
+
+    Meanwhile the store is looked into; the children live on until it was looked into `polls` times.
+    """
     code = "import sys, pathlib, tools.kill_recorder as k; "
     code += "k.record_for_ever(pathlib.Path(sys.argv[1]), int(sys.argv[2]))"
-    child = subprocess.Popen(
-        [sys.executable, "-c", code, str(path), str(run)],
-        stdout=subprocess.PIPE,
-        text=True,
-        cwd=Path(__file__).parents[1],
-    )
-    with child:
+    with ExitStack() as stack:
+        children = [
+            stack.enter_context(
+                subprocess.Popen(
+                    [sys.executable, "-c", code, str(path), str(run)],
+                    stdout=subprocess.PIPE,
+                    text=True,
+                    cwd=Path(__file__).parents[1],
+                )
+            )
+            for run in runs
+        ]
         try:
-            assert child.stdout is not None
-            if child.stdout.readline().strip() != READY:
-                raise RuntimeError("the recording child did not start; its error is printed above")
-            time.sleep(wait_s)
+            for child in children:
+                if child.stdout is None or child.stdout.readline().strip() != READY:
+                    raise RuntimeError("a recording child did not start; its error is above")
+            while poller.polls < polls:
+                poller.look()
+            for child in children:
+                end_s = time.monotonic() + float(rng.uniform(0.0, LONGEST_WAIT_S))
+                while time.monotonic() < end_s:
+                    poller.look()
+                child.kill()
         finally:
-            child.kill()
+            for child in children:
+                child.kill()
         # A line that was cut off by the kill names nothing.
-        return {line.strip() for line in child.stdout if line.endswith("\n")}
+        return {
+            line.strip()
+            for child in children
+            if child.stdout is not None
+            for line in child.stdout
+            if line.endswith("\n")
+        }
 
 
 def _as_bits(episode: Episode) -> list[object]:

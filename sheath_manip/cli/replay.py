@@ -2,14 +2,12 @@
 
 from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from rich.text import Text
 
-from sheath_manip.cli.data import StorePath
-from sheath_manip.cli.options import Address
+from sheath_manip.cli.options import Address, StorePath
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.exceptions import ParameterError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,10 +32,11 @@ class Replay:
             raise ParameterError(f"speed is {self.speed}; wanted more than 0, such as 1")
         # Only now: other verbs need no store and no page.
         from sheath_manip.cli.episodes import opened
+        from sheath_manip.dataset.show import chosen
         from sheath_manip.dataset.store import EpisodeStore
 
         store = EpisodeStore(self.store)
-        episode = store.read(_chosen(store.names(), self.episode, self.store))
+        episode = store.read(chosen(store, self.episode))
         task = session.task(episode.info.task)
         from sheath_manip.dashboard import replay
 
@@ -52,16 +51,3 @@ class Replay:
                 if self.once:
                     break
         return 0
-
-
-def _chosen(names: list[str], wanted: str, store: Path) -> str:
-    """The name of the episode that `wanted` names or counts."""
-    if wanted in names:
-        return wanted
-    try:
-        return names[int(wanted)]
-    except (ValueError, IndexError):
-        raise StoreError(
-            f"{store} has no episode {wanted!r}; wanted a name of `sheath data list`, or a number "
-            f"below {len(names)}"
-        ) from None

@@ -77,6 +77,9 @@ class Train:
     """expert episodes held out for the threshold, at least 3"""
     seed: int = 0
     """of the policy's first weights and the order of its batches"""
+    cache: Path | None = None
+    """directory to keep the training states in, where they shall not be read into memory: files
+    that are written once per set of episodes and mapped"""
 
     def run(self, session: Session) -> int:
         """Fit, save, and print what came of it."""
@@ -85,6 +88,7 @@ class Train:
         # Only now: torch takes seconds to import.
         from sheath_manip.checkpoint import digest
         from sheath_manip.cli.episodes import opened
+        from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.dataset.samples import samples_from
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.fitting import fit_gate
@@ -109,7 +113,11 @@ class Train:
         store = EpisodeStore(self.store)
         training, held_out = self._split(store, spec.name, plan.calibration)
         with session.err.status("reading"):
-            states = samples_from(store.read_many(training))
+            states = (
+                samples_from(store.read_many(training))
+                if self.cache is None
+                else mapped_samples(store, training, self.cache)
+            )
             calibration = [samples_from([store.read(name)]) for name in held_out]
         with session.err.status(f"fitting {plan.policy} to {len(states)} states"):
             policy.fit(states)

@@ -31,3 +31,12 @@ def publish(directory: Path, final: Path) -> None:
             raise FileExistsError(f"{final} exists") from error
         raise
     sync(final.parent)
+
+
+def publish_file(file: Path, final: Path) -> None:
+    """Give a finished `file` its `final` name on the same file system, as `publish` does."""
+    sync(file)
+    # Unlike a rename, a link never takes the name from another file.
+    final.hardlink_to(file)
+    file.unlink()
+    sync(final.parent)

@@ -5,7 +5,7 @@ from enum import StrEnum
 
 from sheath_manip.exceptions import StoreError
 
-REMEDY = "delete its directory and record the episode again"
+REMEDY = "take it out with `sheath data drop` and record the episode again"
 """for whatever is damaged: an episode is replayable from its seed, or one of many"""
 
 

@@ -1,15 +1,16 @@
 """One episode as one zarr (format 3) group."""
 
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
-from zarr.codecs import ZstdCodec
+from zarr.storage import StorePath
 
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, to_attributes
 from sheath_manip.dataset.layout import Arrays, ArraySpec, layout
+from sheath_manip.dataset.zarr_files import write_array, write_group_file
 
 FRAMES_PER_CHUNK = 64
 """Chunks of single frames take ten times as long to write and compress far worse."""
@@ -17,35 +18,27 @@ FRAMES_PER_CHUNK = 64
 
 def write_group(directory: Path, header: Header, arrays: Arrays) -> None:
     """Write an episode into `directory`, which must not exist yet; raises OSError."""
-    group = zarr.create_group(directory, zarr_format=3, attributes=to_attributes(header))
+    write_group_file(directory, to_attributes(header))
     for spec in layout(header):
-        array = arrays[spec.path]
-        group.create_array(
-            spec.path,
-            data=array,
-            chunks=_chunks(spec),
-            # The checksum finds a changed byte; a higher level or a bit shuffle only costs time.
-            compressors=ZstdCodec(level=1, checksum=True),
-            # One directory an array instead of one a dimension: there is less to sync.
-            chunk_key_encoding={"name": "default", "separator": "."},
-            # A chunk of zeros would otherwise look the same as a lost one.
-            config={"write_empty_chunks": True},
-        )
+        for parent in reversed(PurePosixPath(spec.path).parents[:-1]):
+            if not (directory / parent).exists():
+                write_group_file(directory / parent, {})
+        write_array(directory / spec.path, arrays[spec.path], _chunks(spec))
 
 
-def read_array(directory: Path, spec: ArraySpec) -> NDArray:
-    """The array `spec` of the episode in `directory`, decompressed; raises FaultError."""
+def read_array(name: str, group: Path | StorePath, spec: ArraySpec) -> NDArray:
+    """The array `spec` of the episode `name`, whose zarr group is at `group`; raises FaultError."""
     try:
-        array = zarr.open_array(directory, path=spec.path, mode="r", zarr_format=3)
+        array = zarr.open_array(group, path=spec.path, mode="r", zarr_format=3)
     except FileNotFoundError as error:
         raise FaultError(
-            directory.name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
+            name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
         ) from error
     except Exception as error:
-        raise _unreadable(directory, spec, error) from error
+        raise _unreadable(name, spec, error) from error
     if array.shape != spec.shape or array.dtype != np.dtype(spec.dtype):
         raise FaultError(
-            directory.name,
+            name,
             FaultKind.MISMATCH,
             f"{spec.path} is {array.dtype} {array.shape}; "
             f"its header wants {spec.dtype} {spec.shape}; {REMEDY}",
@@ -53,14 +46,14 @@ def read_array(directory: Path, spec: ArraySpec) -> NDArray:
     if array.nchunks_initialized != array.nchunks:
         # zarr itself would fill the gap with zeros.
         raise FaultError(
-            directory.name,
+            name,
             FaultKind.MISSING,
             f"{spec.path} has {array.nchunks_initialized} of {array.nchunks} chunks; {REMEDY}",
         )
     try:
         return np.asarray(array[...])
     except Exception as error:
-        raise _unreadable(directory, spec, error) from error
+        raise _unreadable(name, spec, error) from error
 
 
 def _chunks(spec: ArraySpec) -> tuple[int, ...]:
@@ -72,9 +65,9 @@ def _chunks(spec: ArraySpec) -> tuple[int, ...]:
     return whole
 
 
-def _unreadable(directory: Path, spec: ArraySpec, error: Exception) -> FaultError:
+def _unreadable(name: str, spec: ArraySpec, error: Exception) -> FaultError:
     """Whatever zarr and its codecs raise (they share no class) as one line."""
     reason = str(error).splitlines()[0] if str(error) else type(error).__name__
     return FaultError(
-        directory.name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({reason}); {REMEDY}"
+        name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({reason}); {REMEDY}"
     )

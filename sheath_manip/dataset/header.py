@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
 
 FORMAT = "sheath-episode"
+GROUP_FILE = "zarr.json"
+"""where zarr keeps a group's attributes"""
 SCHEMA = 1
 """Raise it whenever a reader of the old one would misread the new one."""
 
@@ -93,7 +96,7 @@ def header_of(episode: Episode) -> Header:
 
 
 def to_attributes(header: Header) -> dict[str, Any]:
-    """The header as JSON; `read_header` is its inverse."""
+    """The header as JSON; `from_attributes` is its inverse."""
     fields = asdict(header)
     info = fields.pop("info")
     for name in ("seed", "round", "index", "run_seed"):
@@ -114,18 +117,41 @@ def read_header(directory: Path) -> Header:
     """The header of the episode in `directory`; raises FaultError where there is none to be had."""
     name = directory.name
     try:
-        group = json.loads((directory / "zarr.json").read_bytes())
+        content = (directory / GROUP_FILE).read_bytes()
     except (FileNotFoundError, NotADirectoryError) as error:
         raise FaultError(
             name,
             FaultKind.FOREIGN,
             "wanted an episode, found no zarr.json in it; see `sheath data list`",
         ) from error
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise FaultError(
+            name, FaultKind.UNREADABLE, f"its zarr.json cannot be read ({error}); {REMEDY}"
+        ) from error
+    return parse_header(name, content)
+
+
+def parse_header(name: str, content: bytes) -> Header:
+    """The header of the episode `name` from its zarr.json; raises FaultError as `read_header`."""
+    try:
+        group = json.loads(content)
+    except (ValueError, RecursionError) as error:
         raise FaultError(
             name, FaultKind.UNREADABLE, f"its zarr.json does not decode ({error}); {REMEDY}"
         ) from error
-    attributes = group.get("attributes") if isinstance(group, dict) else None
+    header = from_attributes(name, group.get("attributes") if isinstance(group, dict) else None)
+    if episode_name(header.info) != name:
+        raise FaultError(
+            name,
+            FaultKind.MISMATCH,
+            f"it holds the episode {episode_name(header.info)}; give it back that name: "
+            "`sheath data repair`",
+        )
+    return header
+
+
+def from_attributes(name: str, attributes: Any) -> Header:
+    """The inverse of `to_attributes`; raises FaultError, told of `name`, where it is none."""
     if not isinstance(attributes, dict) or attributes.get("format") != FORMAT:
         raise FaultError(
             name,
@@ -141,20 +167,13 @@ def read_header(directory: Path) -> Header:
             f"({_writer(attributes)})",
         )
     try:
-        header = _from_attributes(attributes)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        return _from_attributes(attributes)
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise FaultError(
             name,
             FaultKind.UNREADABLE,
             f"its header is broken ({type(error).__name__}: {error}); {REMEDY}",
         ) from error
-    if episode_name(header.info) != name:
-        raise FaultError(
-            name,
-            FaultKind.MISMATCH,
-            f"it holds the episode {episode_name(header.info)}; give it back that name",
-        )
-    return header
 
 
 def _from_attributes(attributes: Mapping[str, Any]) -> Header:
@@ -202,6 +221,7 @@ def _to_json(value: float) -> float | str:
     return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
 
 
+@cache
 def _version(package: str) -> str:
     try:
         return metadata.version(package)

@@ -22,16 +22,31 @@ def require_marker(path: Path) -> None:
     if not (path / MARKER).is_file():
         raise _no_store(path, f"a {'directory' if path.is_dir() else 'file'} without {MARKER}")
     try:
-        marker = json.loads((path / MARKER).read_bytes())
-    except (OSError, ValueError) as error:
-        raise _no_store(path, f"a {MARKER} that does not decode ({error})") from error
+        content = (path / MARKER).read_bytes()
+    except OSError as error:
+        raise _no_store(path, f"a {MARKER} that cannot be read ({error})") from error
+    parse_marker(path, content)
+
+
+def parse_marker(where: Path | str, content: bytes) -> None:
+    """Raise StoreError unless `content` is the marker of a store of this schema."""
+    try:
+        marker = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise _no_store(where, f"a {MARKER} that does not decode ({error})") from error
     if not isinstance(marker, dict) or marker.get("format") != FORMAT:
-        raise _no_store(path, f"a {MARKER} of another format")
+        raise _no_store(where, f"a {MARKER} of another format")
     if marker.get("schema") != SCHEMA:
         raise StoreError(
-            f"{path} is an episode store of schema {marker.get('schema')}, wanted {SCHEMA}; read "
+            f"{where} is an episode store of schema {marker.get('schema')}, wanted {SCHEMA}; read "
             "it with the version of sheath-manip that made it"
         )
+
+
+def marker_text() -> str:
+    """The marker of a store that is begun now."""
+    created_utc = datetime.now(UTC).isoformat(timespec="seconds")
+    return json.dumps({"format": FORMAT, "schema": SCHEMA, "created_utc": created_utc})
 
 
 def write_marker(path: Path) -> None:
@@ -48,15 +63,14 @@ def write_marker(path: Path) -> None:
     if foreign:
         raise _no_store(path, f"a directory with {foreign[0]!r} in it")
     aside = path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
-    created_utc = datetime.now(UTC).isoformat(timespec="seconds")
-    aside.write_text(json.dumps({"format": FORMAT, "schema": SCHEMA, "created_utc": created_utc}))
+    aside.write_text(marker_text())
     sync(aside)
     aside.replace(path / MARKER)
     sync(path)
     sync(path.parent)
 
 
-def _no_store(path: Path, found: str) -> StoreError:
+def _no_store(path: Path | str, found: str) -> StoreError:
     return StoreError(
         f"wanted an episode store at {path}, found {found}; give the directory that holds "
         f"{MARKER}, or a new one to record into"

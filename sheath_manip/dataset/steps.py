@@ -70,14 +70,20 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
         }
     except ValueError as error:
         raise StoreError(f"{name}: its steps have arrays of different shapes ({error})") from error
+    return arrays
+
+
+def require_layout(header: Header, arrays: Arrays) -> None:
+    """Raise StoreError where an array is missing or not of the shape and type of `layout`."""
     for spec in layout(header):
+        array = arrays.get(spec.path)
+        found = "missing" if array is None else f"{array.dtype} {array.shape}"
         # A silent conversion would make the replay differ from what was recorded.
-        if arrays[spec.path].shape != spec.shape or arrays[spec.path].dtype != spec.dtype:
+        if array is None or array.shape != spec.shape or array.dtype != spec.dtype:
             raise StoreError(
-                f"{name}: {spec.path} is {arrays[spec.path].dtype} {arrays[spec.path].shape}; "
+                f"{episode_name(header.info)}: {spec.path} is {found}; "
                 f"wanted {spec.dtype} {spec.shape}"
             )
-    return arrays
 
 
 def episode_from(header: Header, arrays: Arrays) -> Episode:

@@ -6,19 +6,29 @@ read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no r
 
 import shutil
 import uuid
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
 
-from sheath_manip.dataset.durable import publish
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.durable import publish, sync
+from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.group import read_array, write_group
 from sheath_manip.dataset.header import Header, header_of, read_header
-from sheath_manip.dataset.layout import Arrays, layout
-from sheath_manip.dataset.marker import require_marker, write_marker
+from sheath_manip.dataset.layout import ArraySpec
+from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
-from sheath_manip.dataset.steps import arrays_of, episode_from, not_finite
+from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.steps import (
+    arrays_of,
+    not_finite,
+    require_known_codes,
+    require_layout,
+)
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+from sheath_manip.types import Episode, EpisodeInfo
 
 FREE_BYTES_KEPT = 200_000_000
 """A disk filled to the brim takes more down with it than one recording."""
@@ -26,25 +36,7 @@ LONGEST_NAME = 255
 """characters in the name of a directory, on the usual file systems"""
 
 
-@dataclass(frozen=True)
-class EpisodeSummary:
-    """A stored episode at a glance, without its arrays."""
-
-    name: str
-    info: EpisodeInfo
-    length: int
-    """T, in control steps"""
-    outcome: Outcome
-    expert_share: float
-    """0..1 of the steps in which the expert acted"""
-    queries: int
-    """steps in which the gate asked for a label"""
-    metrics: Mapping[str, float]
-    bytes: int
-    """on the disk"""
-
-
-class EpisodeStore:
+class EpisodeStore(EpisodeReader):
     """The episodes of one directory; `EpisodeStore.create` also makes the directory.
 
     Raises StoreError where `path` is no store.
@@ -53,6 +45,11 @@ class EpisodeStore:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         require_marker(self.path)
+
+    @property
+    def address(self) -> str:
+        """The directory, as it was given."""
+        return str(self.path)
 
     @classmethod
     def create(cls, path: str | Path) -> "EpisodeStore":
@@ -76,22 +73,66 @@ class EpisodeStore:
         first), where an executed or labelled action is not finite, where the steps' arrays disagree
         in shape or have other types than `types` declares, and where the disk is nearly full.
         """
-        final = self._directory(episode.info)
+        if self._directory(episode.info).exists():
+            raise _taken(self.path, episode_name(episode.info))
+        header = header_of(episode)
+        return self.adopt(Recorded(header, arrays_of(episode, header)))
+
+    def adopt(self, recorded: Recorded) -> str:
+        """Write an episode as it was recorded, with its own date and versions; give its name.
+
+        Raises StoreError as `append` does.
+        """
+        header, arrays = recorded.header, recorded.arrays
+        final = self._directory(header.info)
         name = final.name
         if final.exists():
             raise _taken(self.path, name)
-        header = header_of(episode)
-        arrays = arrays_of(episode, header)
+        require_layout(header, arrays)
+        require_known_codes(header, arrays)
         for array in not_finite(arrays):
             raise StoreError(
                 f"{name}: an action in {array!r} is not finite; "
                 "check actions with ActionSpec.validated"
             )
-        aside = self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+        needed_bytes = sum(array.nbytes for array in arrays.values())
+        self._publish(name, needed_bytes, lambda aside: write_group(aside, header, arrays))
+        return name
+
+    def copy_from(self, source: EpisodeReader, name: str) -> None:
+        """Write the episode `name` of `source` here, byte for byte.
+
+        Raises StoreError as `append` does, and where `source` cannot give it.
+        """
+        files = source.files(name)
+
+        def write(aside: Path) -> None:
+            for file in files:
+                (aside / file).parent.mkdir(parents=True, exist_ok=True)
+                (aside / file).write_bytes(source.content(name, file))
+
+        self._publish(name, sum(files.values()), write)
+
+    def drop(self, name: str) -> None:
+        """Delete the episode for good, damaged or not; raises StoreError where there is none."""
+        if not is_episode_name(name) or not (self.path / name).is_dir():
+            raise no_such_episode(self.address, name)
+        aside = self._aside()
         try:
-            self._require_space(sum(array.nbytes for array in arrays.values()))
-            write_group(aside, header, arrays)
-            publish(aside, final)
+            # At once out of every reader's sight; a crash leaves it to `sheath data repair`.
+            (self.path / name).rename(aside)
+            sync(self.path)
+            shutil.rmtree(aside)
+        except OSError as error:
+            raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
+
+    def _publish(self, name: str, needed_bytes: int, write: Callable[[Path], None]) -> None:
+        """Let `write` fill a directory aside, then give it its name."""
+        aside = self._aside()
+        try:
+            self._require_space(needed_bytes)
+            write(aside)
+            publish(aside, self.path / name)
         except FileExistsError as error:
             raise _taken(self.path, name) from error
         except OSError as error:
@@ -99,7 +140,9 @@ class EpisodeStore:
         finally:
             # After a success there is nothing left of that name.
             shutil.rmtree(aside, ignore_errors=True)
-        return name
+
+    def _aside(self) -> Path:
+        return self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
 
     def has(self, info: EpisodeInfo) -> bool:
         """Whether the episode of `info` is stored, so that a resumed run may skip it.
@@ -128,60 +171,43 @@ class EpisodeStore:
             raise StoreError(f"cannot list {self.path} ({error})") from error
         return sorted(entry.name for entry in entries)
 
-    def summary(self, name: str) -> EpisodeSummary:
-        """One episode at a glance; raises StoreError where its header cannot be read."""
-        header = self._header(name)
-        return EpisodeSummary(
-            name=name,
-            info=header.info,
-            length=header.length,
-            outcome=header.outcome,
-            expert_share=header.expert_steps / header.length,
-            queries=header.queries,
-            metrics=header.metrics,
-            bytes=sum(
-                file.stat().st_size for file in (self.path / name).rglob("*") if file.is_file()
-            ),
-        )
+    def header(self, name: str) -> Header:
+        """All of the episode `name` that is no array; raises StoreError where it is damaged."""
+        if not is_episode_name(name) or not (self.path / name).is_dir():
+            raise no_such_episode(self.address, name)
+        return read_header(self.path / name)
 
-    def infos(self) -> list[EpisodeSummary]:
-        """All episodes at a glance, sorted by name; raises StoreError as `summary` does."""
-        return [self.summary(name) for name in self.names()]
+    def array(self, name: str, spec: ArraySpec) -> NDArray:
+        """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
+        return read_array(name, self.path / name, spec)
 
-    def read(self, name: str, need_images: bool = True) -> Episode:
-        """The episode as it was recorded, to the bit; raises StoreError where it is damaged.
-
-        Without `need_images` no image is decompressed and every `Observation.images` is empty.
-        """
-        header = self._header(name)
-        arrays: Arrays = {
-            spec.path: read_array(self.path / name, spec)
-            for spec in layout(header)
-            if need_images or not spec.is_image
+    def files(self, name: str) -> Mapping[str, int]:
+        """The size in bytes of each file of the episode, by its path in the episode's folder."""
+        folder = self.path / name
+        return {
+            file.relative_to(folder).as_posix(): file.stat().st_size
+            for file in sorted(folder.rglob("*"))
+            if file.is_file()
         }
-        return episode_from(header, arrays)
 
-    def read_many(self, names: Iterable[str], need_images: bool = True) -> Iterator[Episode]:
-        """The named episodes, each read when it is asked for; raises StoreError as `read` does."""
-        return (self.read(name, need_images) for name in names)
+    def content(self, name: str, file: str) -> bytes:
+        """What is in one of the `files` of an episode."""
+        try:
+            return (self.path / name / file).read_bytes()
+        except OSError as error:
+            raise StoreError(f"cannot read {file} of {name} in {self.path} ({error})") from error
 
-    def episodes(
-        self,
-        purpose: Purpose | None = None,
-        method: str | None = None,
-        round: int | None = None,
-        run_seed: int | None = None,
-        need_images: bool = True,
-    ) -> Iterator[Episode]:
-        """The episodes that match all that is given, in the order (round, index, name)."""
-        wanted = {"purpose": purpose, "method": method, "round": round, "run_seed": run_seed}
-        infos = ((self._header(name).info, name) for name in self.names())
-        matching = [
-            (info.round, info.index, name)
-            for info, name in infos
-            if all(value is None or getattr(info, key) == value for key, value in wanted.items())
-        ]
-        return self.read_many((name for *_, name in sorted(matching)), need_images)
+    def entry_faults(self) -> list[Fault]:
+        """The leftovers, and what does not belong into the directory."""
+        faults = []
+        for entry in sorted(self.path.iterdir()):
+            if entry.name.startswith(LEFTOVER_PREFIX):
+                text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
+                faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
+            elif entry.name != MARKER and not (entry.is_dir() and is_episode_name(entry.name)):
+                text = "neither an episode nor the store's own; move it away"
+                faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
+        return faults
 
     def _directory(self, info: EpisodeInfo) -> Path:
         name = episode_name(info)
@@ -191,11 +217,6 @@ class EpisodeStore:
                 f"wanted at most {LONGEST_NAME}; choose a shorter one in plain letters"
             )
         return self.path / name
-
-    def _header(self, name: str) -> Header:
-        if not is_episode_name(name) or not (self.path / name).is_dir():
-            raise StoreError(f"{self.path} has no episode {name!r}; `sheath data list` shows all")
-        return read_header(self.path / name)
 
     def _require_space(self, needed_bytes: int) -> None:
         free_bytes = shutil.disk_usage(self.path).free

@@ -1,62 +1,68 @@
 """`sheath data list` and `sheath data check`: a store as a table on the terminal."""
 
-from pathlib import Path
+from collections import Counter
+from collections.abc import Sequence
 
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 from rich.text import Text
 
-from sheath_manip.dataset.check import check_entries, check_episode
-from sheath_manip.dataset.store import EpisodeStore, EpisodeSummary
+from sheath_manip.dataset.check import check_episode
+from sheath_manip.dataset.places import open_place
+from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import StoreError
 
 
-def print_list(path: str | Path, console: Console) -> int:
+def print_list(address: str, console: Console) -> int:
     """Print one line an episode; return 1 where one cannot be read, else 0.
 
-    Raises StoreError where `path` is no store.
+    Raises StoreError where `address` is no store.
     """
-    store = EpisodeStore(path)
-    table = Table(title=Text(str(store.path)), title_justify="left")
+    reader = open_place(address)
+    summaries, broken = readable(reader)
+    table = Table(title=Text(reader.address), title_justify="left")
     table.add_column("episode", overflow="fold")
     for heading in ("task", "outcome"):
         table.add_column(heading)
     for heading in ("steps", "expert", "queries", "MB"):
         table.add_column(heading, justify="right")
     table.add_column("metrics", overflow="fold")
-    summaries, broken = [], []
-    for name in store.names():
-        try:
-            summaries.append(store.summary(name))
-        except StoreError as error:
-            broken.append(str(error))
     for summary in summaries:
         # As Text, because a task or a method may hold what rich takes for markup.
         table.add_row(*(Text(cell) for cell in _cells(summary)))
     console.print(table)
-    steps = sum(summary.length for summary in summaries)
-    megabytes = sum(summary.bytes for summary in summaries) / 1e6
-    console.print(Text(f"{len(summaries)} episodes, {steps} steps, {megabytes:.1f} MB"))
+    console.print(Text(_totals(summaries)))
     for line in broken:
         console.print(Text(line, style="red"))
     return 1 if broken else 0
 
 
-def print_check(path: str | Path, console: Console) -> int:
+def readable(reader: EpisodeReader) -> tuple[list[EpisodeSummary], list[str]]:
+    """The episodes whose header can be read, and a line for each of the others."""
+    summaries, broken = [], []
+    for name in reader.names():
+        try:
+            summaries.append(reader.summary(name))
+        except StoreError as error:
+            broken.append(str(error))
+    return summaries, broken
+
+
+def print_check(address: str, console: Console) -> int:
     """Decompress the whole store and print its faults; return 1 where data is affected, else 0.
 
-    Raises StoreError where `path` is no store.
+    Raises StoreError where `address` is no store.
     """
-    store = EpisodeStore(path)
-    faults, names = check_entries(store), store.names()
+    reader = open_place(address)
+    faults, names = reader.entry_faults(), reader.names()
     for name in track(
         names, "checking", console=console, transient=True, disable=not console.is_terminal
     ):
-        faults += check_episode(store, name)
+        faults += check_episode(reader, name)
     damaging = [fault for fault in faults if fault.damaging]
     if faults:
-        table = Table(title=Text(str(store.path)), title_justify="left")
+        table = Table(title=Text(reader.address), title_justify="left")
         for heading in ("entry", "fault", "what"):
             table.add_column(heading, overflow="fold")
         for fault in faults:
@@ -81,3 +87,19 @@ def _cells(summary: EpisodeSummary) -> tuple[str, ...]:
         f"{summary.bytes / 1e6:.2f}",
         ", ".join(f"{name} {value:.4g}" for name, value in summary.metrics.items()),
     )
+
+
+def _totals(summaries: Sequence[EpisodeSummary]) -> str:
+    steps = sum(summary.length for summary in summaries)
+    megabytes = sum(summary.bytes for summary in summaries) / 1e6
+    line = f"{len(summaries)} episodes, {steps} steps, {megabytes:.1f} MB"
+    if not summaries:
+        return line
+    outcomes = Counter(str(summary.outcome) for summary in summaries)
+    shares = ", ".join(
+        f"{n} {outcome} ({n / len(summaries):.0%})" for outcome, n in outcomes.items()
+    )
+    expert = sum(summary.expert_share * summary.length for summary in summaries) / steps
+    queries = sum(summary.queries for summary in summaries) / steps
+    asked = f"the expert acted in {expert:.0%} of the steps, {queries:.0%} asked for a label"
+    return f"{line}; {shares}; {asked}"

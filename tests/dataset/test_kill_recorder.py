@@ -10,6 +10,13 @@ def test_three_kills_harm_no_committed_episode(tmp_path: Path) -> None:
     assert str(report).startswith("3 kills, ")
 
 
+def test_two_writers_and_a_reader_beside_kills(tmp_path: Path) -> None:
+    report = kill_recorder(tmp_path / "store", kills=4, writers=2, polls=60)
+    assert report.lossless, report
+    assert report.polls >= 60
+    assert report.committed > 0
+
+
 def test_a_lost_episode_is_no_pass() -> None:
     assert not KillReport(1, 1, (), ("learning-s0-r00-i000-seed0",), 0).lossless
     assert not KillReport(1, 1, ("learning-s0-r00-i000-seed0",), (), 0).lossless

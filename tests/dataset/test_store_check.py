@@ -133,10 +133,10 @@ def test_leftovers_and_foreign_entries(store: EpisodeStore, episode: Episode) ->
 
 class TestTables:
     def printed(
-        self, function: Callable[[Path, Console], int], store: EpisodeStore
+        self, function: Callable[[str, Console], int], store: EpisodeStore
     ) -> tuple[int, str]:
         console = Console(file=StringIO(), width=200)
-        code = function(store.path, console)
+        code = function(str(store.path), console)
         assert isinstance(console.file, StringIO)
         return code, console.file.getvalue()
 
@@ -164,4 +164,4 @@ class TestTables:
     def test_no_store(self, tmp_path: Path) -> None:
         for function in (print_list, print_check):
             with pytest.raises(StoreError, match="wanted an episode store"):
-                function(tmp_path / "missing", Console(file=StringIO()))
+                function(str(tmp_path / "missing"), Console(file=StringIO()))

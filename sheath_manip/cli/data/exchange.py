@@ -1,0 +1,110 @@
+"""`sheath data export` and `sheath data import`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.text import Text
+
+from sheath_manip.cli.options import StoreAddress
+from sheath_manip.cli.session import Session
+from sheath_manip.dataset.exchange.formats import ExportFormat, ImportFormat
+from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.types import EpisodeInfo, Outcome, Purpose
+
+FilePath = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="PATH")]
+ByValue = tyro.conf.EnumChoicesFromValues
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportStore:
+    """Write episodes in the format of another tool; all of it appears at once or nothing does."""
+
+    store: StoreAddress
+    """directory of the episodes, or a URL"""
+    out: FilePath
+    """what to write, where nothing may be yet: for replay-buffer a directory or a .zarr.zip, for
+    robomimic an .hdf5 file, else a directory"""
+    format: Annotated[ExportFormat, ByValue]
+    """of which tool"""
+    successes: bool = False
+    """only episodes that succeeded"""
+    expert_steps: bool = False
+    """only steps in which the expert acted, each run of them as an episode"""
+    rounds: tuple[int, ...] = ()
+    """only episodes of these rounds"""
+    action: Annotated[ActionChoice, ByValue] = ActionChoice.EXECUTED
+    """which is `the` action there; labelled leaves out the steps that nobody labelled"""
+
+    def run(self, session: Session) -> int:
+        """Write it, then print what was written."""
+        from sheath_manip.dataset.exchange.exporting import export
+        from sheath_manip.dataset.places import open_place
+
+        reader = open_place(self.store)
+        selection = Selection(self.successes, self.expert_steps, self.rounds, self.action)
+        with session.progress("exporting", len(reader.names())) as report:
+            done = export(reader, self.out, self.format, selection, report)
+        session.out.print(Text(f"{self.out}: {done.episodes} episodes, {done.steps} steps"))
+        return 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportStore:
+    """Take in the episodes of another tool's file; those that the store holds are passed over.
+
+    What `sheath data export` wrote comes back as it was. Of another tool's file the task, the
+    control rate and the meaning of its keys must be told.
+    """
+
+    file: FilePath
+    """a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
+    store: StoreAddress
+    """directory for the episodes; made where there is none"""
+    format: Annotated[ImportFormat, ByValue]
+    """of which tool"""
+    keys: tuple[str, ...] = ()
+    """what the file's keys mean: images/CAMERA=KEY, features=KEY,KEY,..., action=KEY, reward=KEY,
+    state=KEY; in robomimic's files an observation is obs/NAME"""
+    task: str | None = None
+    """name of the task"""
+    control_rate_hz: float | None = None
+    """control steps a second"""
+    outcome: Annotated[Outcome, ByValue] = Outcome.SUCCESS
+    """how the episodes ended; demonstrations are mostly published where they succeeded"""
+    method: str | None = None
+    """who recorded them; by default the file's name"""
+
+    def run(self, session: Session) -> int:
+        """Append them, then print how many."""
+        from sheath_manip.dataset.exchange.importing import import_episodes
+        from sheath_manip.dataset.store import EpisodeStore
+
+        origin = self._origin()
+        file = self.format.open(self.file)
+        store = EpisodeStore.create(self.store)
+        with session.err.status("importing"):
+            done = import_episodes(file, store, origin)
+        line = f"{done.added} episodes added to {self.store}, {done.held} were there before"
+        session.out.print(Text(line))
+        return 0
+
+    def _origin(self):
+        from sheath_manip.dataset.exchange.importing import Origin
+        from sheath_manip.dataset.exchange.key_map import KeyMap
+
+        keys = KeyMap.parse(self.keys)
+        if self.task is None or self.control_rate_hz is None:
+            return None
+        if not 0 < self.control_rate_hz < float("inf"):
+            raise ParameterError(f"control rate {self.control_rate_hz} Hz; wanted more than 0")
+        info = EpisodeInfo(
+            task=self.task,
+            seed=0,
+            purpose=Purpose.DEMONSTRATION,
+            control_rate_hz=self.control_rate_hz,
+            method=self.method or self.file.name.partition(".")[0],
+        )
+        return Origin(info, self.outcome, keys)

@@ -1,0 +1,99 @@
+"""A data card: what a stranger must know of a store before using it, as markdown."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from statistics import mean
+
+from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.layout import ArraySpec, layout
+from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
+from sheath_manip.dataset.table import readable
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import TaskSpec
+
+_MEANINGS = {
+    "features": "what is measured before the action",
+    "time_s": "s, since the episode began",
+    "state": "simulator state before the action, for replay",
+    "proposed": "by the policy; NaN where `has_proposed` is false",
+    "labelled": "by the expert; NaN where `has_labelled` is false",
+    "executed": "what was done",
+    "has_proposed": "the policy proposed an action",
+    "has_labelled": "the expert was asked",
+    "intervention": "the expert acts in an episode that a policy was to drive",
+    "query": "the gate asked for a label",
+    "actor": "who acts: place in the attribute `actors`",
+    "reason": "why: place in the attribute `reasons`",
+    "score": "of the support, positive inside; NaN where there is none",
+    "threshold": "the score below which the expert takes over; NaN where there is none",
+    "reward": "of the executed action",
+}
+
+
+def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
+    """The card of a store; `spec` names features and actions with their units.
+
+    Raises StoreError where no episode can be read.
+    """
+    summaries, broken = readable(reader)
+    if not summaries:
+        raise StoreError(f"{reader.address} has no episode to tell of")
+    header = reader.header(summaries[0].name)
+    info = header.info
+    steps = sum(summary.length for summary in summaries)
+    expert = sum(summary.expert_share * summary.length for summary in summaries) / steps
+    versions = ", ".join(f"{package} {version}" for package, version in header.versions.items())
+    lines = [
+        f"# Episodes of the task {info.task}",
+        "",
+        f"- licence: {licence}",
+        f"- control rate: {info.control_rate_hz:g} Hz",
+        f"- {len(summaries)} episodes, {steps} steps, {steps / info.control_rate_hz / 60:.1f} min, "
+        f"{sum(summary.bytes for summary in summaries) / 1e6:.1f} MB",
+        f"- outcomes: {_counts(str(s.outcome) for s in summaries)}",
+        f"- purposes: {_counts(str(s.info.purpose) for s in summaries)}",
+        f"- methods: {_counts(s.info.method or 'none' for s in summaries)}",
+        f"- the expert acted in {expert:.1%} of the steps; "
+        f"{sum(s.queries for s in summaries)} steps asked for a label",
+        *(f"- {name}: mean {value:.4g}" for name, value in _metrics(summaries).items()),
+        f"- recorded {header.recorded_utc} by {versions}",
+        *([f"- {len(broken)} further episodes cannot be read"] if broken else []),
+        "",
+        "Each episode has T steps and T+1 observations (`final/…` is the last), all actions and "
+        "why each was done, and whether it terminated or was truncated.",
+        "",
+        "| key | type | shape | meaning |",
+        "|---|---|---|---|",
+        *(_row(array, header, spec) for array in layout(header)),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _row(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
+    final = array.path.startswith("final/")
+    shape = ", ".join(map(str, array.shape if final else ("T", *array.shape[1:])))
+    return f"| `{array.path}` | {array.dtype} | ({shape}) | {_meaning(array, header, spec)} |"
+
+
+def _meaning(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
+    path = array.path.removeprefix("final/")
+    after = "; after the last action" if path != array.path else ""
+    text = "RGB before the action" if array.is_image else _MEANINGS.get(path, "")
+    names: Sequence[str] = ()
+    if spec is not None and path == "features" and len(spec.feature_names) == header.feature_size:
+        names = spec.feature_names
+    if spec is not None and path in ("proposed", "labelled", "executed"):
+        names = spec.action.names
+    # A platform of hundreds of tiles would make a line that nobody reads.
+    listed = ", ".join(f"`{name}`" for name in names[:16]) + ", …" * (len(names) > 16)
+    return f"{text}{after}" + (f": {listed}" if listed else "")
+
+
+def _counts(words: Iterable[str]) -> str:
+    return ", ".join(f"{n} {word}" for word, n in Counter(words).most_common())
+
+
+def _metrics(summaries: Sequence[EpisodeSummary]) -> dict[str, float]:
+    names = {name: None for summary in summaries for name in summary.metrics}
+    return {name: mean(s.metrics[name] for s in summaries if name in s.metrics) for name in names}

@@ -1,0 +1,1 @@
+"""Episodes in the formats of other tools: one file a format."""

@@ -1,0 +1,58 @@
+"""Writing episodes for another tool: all of it appears at once, or nothing does."""
+
+import shutil
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from sheath_manip.dataset.durable import publish, publish_file
+from sheath_manip.dataset.exchange.formats import ExportFormat
+from sheath_manip.dataset.exchange.selection import Selection, selected
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX
+from sheath_manip.dataset.reader import EpisodeReader
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.exceptions import StoreError
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written."""
+
+    episodes: int
+    steps: int
+
+
+def export(
+    reader: EpisodeReader,
+    target: Path,
+    format: ExportFormat,
+    selection: Selection,
+    report: Callable[[str], None] = lambda _: None,
+) -> Exported:
+    """Write what `selection` takes of `reader` to `target`, where nothing may be yet.
+
+    `report` is told the outcome of each episode. Raises StoreError where `target` exists or cannot
+    be written, where an episode is damaged, and where nothing is selected; then nothing is there.
+    """
+    if target.exists():
+        raise StoreError(f"{target} exists, and it is kept; give a path where nothing is")
+    write, counts = format.writer(), [0, 0]
+
+    def counted(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
+        for recorded in episodes:
+            counts[0] += 1
+            counts[1] += recorded.header.length
+            yield recorded
+            report(recorded.header.outcome)
+
+    aside = target.parent / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+    try:
+        aside.mkdir(parents=True)
+        write(aside / target.name, counted(selected(reader, selection)), selection.action)
+        (publish if (aside / target.name).is_dir() else publish_file)(aside / target.name, target)
+    except OSError as error:
+        raise StoreError(f"cannot write {target} ({error})") from error
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+    return Exported(*counts)

@@ -1,0 +1,71 @@
+"""Taking in the episodes of another tool's file."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from sheath_manip.dataset.exchange.formats import ForeignFile
+from sheath_manip.dataset.exchange.key_map import KeyMap, interpret, numbered
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.types import EpisodeInfo, Outcome
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a file of another tool does not tell of its episodes, and the user must."""
+
+    info: EpisodeInfo
+    """of all of them, but for `seed` and `index`, which count them"""
+    outcome: Outcome
+    """of all of them"""
+    keys: KeyMap
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What was taken in."""
+
+    added: int
+    held: int
+    """episodes that the store had already"""
+
+
+def import_episodes(
+    file: ForeignFile,
+    store: EpisodeStore,
+    origin: Origin | None,
+    report: Callable[[str], None] = lambda _: None,
+) -> Imported:
+    """Append the episodes of `file` to `store`, but for those that it holds.
+
+    What this project exported comes back as it was, whatever `origin` says. An import that was cut
+    off can be run again. Raises StoreError where the file is damaged, where a key is missing, where
+    as
+    `EpisodeStore.has`; ParameterError where another tool wrote it and there is no `origin`.
+    """
+    added = held = 0
+    for recorded in _recorded(file, origin):
+        if store.has(recorded.header.info):
+            held += 1
+        else:
+            store.adopt(recorded)
+            added += 1
+        report(episode_name(recorded.header.info))
+    return Imported(added, held)
+
+
+def _recorded(file: ForeignFile, origin: Origin | None) -> Iterator[Recorded]:
+    ours = file.recorded()
+    if ours is not None:
+        yield from ours
+        return
+    if origin is None:
+        raise ParameterError(
+            "another tool wrote this file, which tells neither task nor control rate; give --task "
+            "and --control-rate-hz, and --keys for its observations"
+        )
+    for number, track in enumerate(file.tracks()):
+        keys = origin.keys.over(file.default_keys, track)
+        yield interpret(track, numbered(origin.info, number), origin.outcome, keys)

@@ -1,0 +1,177 @@
+"""robomimic's HDF5: one group an episode, observations by key, and the next ones beside them.
+
+| path in `data/demo_i` | meaning |
+|---|---|
+| `actions` | (T, a) float32, the action that was chosen for export |
+| `obs/CAMERA_image`, `obs/features` | (T, ...) before the action |
+| `next_obs/...` | (T, ...) after it; the last row is the final observation |
+| `rewards`, `states` | (T,), (T, s) |
+| `dones` | (T,) int64, 1 at the last step |
+| `terminated`, `truncated` | (T,) bool, whether and how the episode ended there |
+| `NAME` | every other array of `layout`, by its name there |
+| `final_state`, `final_time_s` | after the last action |
+
+`mask/success` lists the episodes that succeeded. The attribute `sheath` of each holds its header.
+"""
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.exchange.selection import ActionChoice
+from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
+from sheath_manip.dataset.extras import needs
+from sheath_manip.dataset.header import from_attributes, to_attributes
+from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Outcome
+
+with needs("robomimic", "h5py"):
+    import h5py
+
+ATTRIBUTE = "sheath"
+_RENAMED = {"features": "obs/features", "reward": "rewards", "state": "states"}
+_FRAMES_PER_CHUNK = 8
+"""robomimic reads short sequences at random, or the whole into RAM."""
+
+
+def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
+    """Write `episodes` into the HDF5 file `target`."""
+    with h5py.File(target, "w") as file:
+        data, steps, successes = file.create_group("data"), 0, []
+        for number, recorded in enumerate(episodes):
+            header = recorded.header
+            demo = data.create_group(f"demo_{number}")
+            _write_arrays(demo, recorded)
+            _write(demo, "actions", recorded.arrays[action])
+            last = np.arange(header.length) == header.length - 1
+            _write(demo, "dones", last.astype(np.int64))
+            _write(demo, "terminated", last & header.terminated)
+            _write(demo, "truncated", last & header.truncated)
+            demo.attrs["num_samples"] = header.length
+            demo.attrs[ATTRIBUTE] = json.dumps(to_attributes(header))
+            steps += header.length
+            if header.outcome is Outcome.SUCCESS:
+                successes.append(f"demo_{number}".encode())
+            if number == 0:
+                # robomimic makes an environment of it only for rollouts, which this one has not.
+                environment = {"env_name": header.info.task, "type": None, "env_kwargs": {}}
+                data.attrs["env_args"] = json.dumps(environment)
+        data.attrs["total"] = steps
+        file.create_dataset("mask/success", data=np.array(successes, dtype="S16"))
+
+
+def place(path: str) -> str:
+    """Where an array of `layout` with a row for each step is in an episode's group."""
+    if path.startswith("images/"):
+        return f"obs/{path.removeprefix('images/')}_image"
+    return _RENAMED.get(path, path)
+
+
+def _write_arrays(demo: h5py.Group, recorded: Recorded) -> None:
+    arrays = recorded.arrays
+    for spec in layout(recorded.header):
+        if spec.path.startswith("final/"):
+            at = place(spec.path.removeprefix("final/"))
+            if not at.startswith("obs/"):
+                demo.create_dataset(_final(spec.path), data=arrays[spec.path])
+            continue
+        at = place(spec.path)
+        _write(demo, at, arrays[spec.path])
+        if at.startswith("obs/"):
+            final = arrays[f"final/{spec.path}"][None]
+            _write(demo, f"next_{at}", np.concatenate([arrays[spec.path][1:], final]))
+
+
+def _final(path: str) -> str:
+    return path.replace("/", "_")
+
+
+def _write(demo: h5py.Group, name: str, values: NDArray) -> None:
+    if not values.size:
+        demo.create_dataset(name, data=values)
+        return
+    chunks = (min(_FRAMES_PER_CHUNK if values.ndim == 4 else 1024, len(values)), *values.shape[1:])
+    # Any HDF5 has gzip; the fastest level, since images are most of it.
+    demo.create_dataset(name, data=values, chunks=chunks, compression="gzip", compression_opts=1)
+
+
+class RobomimicFile:
+    """An HDF5 file of robomimic's to import, ours or another's; raises StoreError if it is none."""
+
+    default_keys: ClassVar[DefaultKeys] = {
+        "action": ("actions",),
+        "reward": ("rewards",),
+        "state": ("states",),
+    }
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        if not path.is_file():
+            raise StoreError(f"wanted a robomimic HDF5 file at {path}, found none")
+        with one_line(path, "a robomimic HDF5 file"), h5py.File(path, "r") as file:
+            data: Any = file["data"]
+            self._demos = sorted(data, key=_number)
+
+    def recorded(self) -> Iterator[Recorded] | None:
+        """The episodes as they were exported, or None where another tool wrote the file."""
+        with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
+            ours = [ATTRIBUTE in _demo(file, demo).attrs for demo in self._demos]
+        return self._ours() if ours and all(ours) else None
+
+    def tracks(self) -> Iterator[Track]:
+        """Each episode by the file's own keys, those of observations as `obs/NAME`."""
+        for demo in self._demos:
+            with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
+                group, keys = _demo(file, demo), []
+                group.visititems(
+                    lambda key, item, keys=keys: (
+                        keys.append(key) if isinstance(item, h5py.Dataset) and item.shape else None
+                    )
+                )
+                length = int(group.attrs["num_samples"])
+            yield Track(
+                length=length,
+                keys=tuple(keys),
+                read=lambda key, demo=demo: self._read(demo, key),
+                final=lambda key, demo=demo, keys=keys: (
+                    self._read(demo, f"next_{key}")[-1] if f"next_{key}" in keys else None
+                ),
+            )
+
+    def _ours(self) -> Iterator[Recorded]:
+        for demo in self._demos:
+            with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
+                attributes: Any = json.loads(_demo(file, demo).attrs[ATTRIBUTE])
+            header = from_attributes(f"{demo} of {self.path}", attributes)
+            arrays = {}
+            for spec in layout(header):
+                path = spec.path.removeprefix("final/")
+                at = place(path)
+                if path == spec.path:
+                    arrays[path] = self._read(demo, at)
+                elif at.startswith("obs/"):
+                    arrays[spec.path] = self._read(demo, f"next_{at}")[-1]
+                else:
+                    arrays[spec.path] = self._read(demo, _final(spec.path))
+            yield Recorded(header, arrays)
+
+    def _read(self, demo: str, key: str) -> NDArray:
+        with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
+            return np.asarray(_demo(file, demo)[key][()])
+
+
+def _demo(file: h5py.File, demo: str) -> Any:
+    """The group of an episode; untyped, since h5py cannot tell a group from a dataset."""
+    return file[f"data/{demo}"]
+
+
+def _number(demo: str) -> tuple[int, str]:
+    """robomimic counts demo_0, demo_1, …; anything else comes after."""
+    digits = demo.rpartition("_")[2]
+    return (int(digits) if digits.isdigit() else 10**9, demo)

@@ -1,0 +1,117 @@
+"""Which episodes, which of their steps, and which of their actions to export."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.reader import EpisodeReader
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Actor, Outcome
+
+
+class ActionChoice(StrEnum):
+    """Which action stands for `the` action, in formats that know one."""
+
+    EXECUTED = "executed"
+    LABELLED = "labelled"
+    """by the expert: states that nobody labelled are left out"""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What of a store to take; by default all of it."""
+
+    successes: bool = False
+    """only episodes that succeeded"""
+    expert_steps: bool = False
+    """only steps in which the expert acted"""
+    rounds: tuple[int, ...] = ()
+    """only episodes of these rounds; all where empty"""
+    action: ActionChoice = ActionChoice.EXECUTED
+
+    def takes(self, header: Header) -> bool:
+        """Whether anything of that episode may be taken."""
+        return (not self.successes or header.outcome is Outcome.SUCCESS) and (
+            not self.rounds or header.info.round in self.rounds
+        )
+
+    def steps(self, recorded: Recorded) -> NDArray[np.bool_]:
+        """(T,) which steps to take."""
+        taken = np.ones(recorded.header.length, dtype=bool)
+        if self.expert_steps:
+            taken &= by_expert(recorded)
+        if self.action is ActionChoice.LABELLED:
+            taken &= recorded.arrays["has_labelled"]
+        return taken
+
+
+def selected(reader: EpisodeReader, selection: Selection) -> Iterator[Recorded]:
+    """What is taken of each episode, read when it is asked for, in the order (round, index, name).
+
+    Where steps in the middle are left out, each run of those taken is an episode of its own, so
+    that consecutive frames stay consecutive in time. Raises StoreError where an episode is damaged,
+    and where nothing at all is taken.
+    """
+    headers = {name: reader.header(name) for name in reader.names()}
+    order = sorted(headers, key=lambda n: (headers[n].info.round, headers[n].info.index, n))
+    some = False
+    for name in order:
+        if selection.takes(headers[name]):
+            recorded = reader.recorded(name)
+            for start, stop in runs(selection.steps(recorded)):
+                some = True
+                yield piece(recorded, start, stop)
+    if not some:
+        raise StoreError(
+            f"of the {len(order)} episodes in {reader.address} nothing is selected; "
+            "ask for less, or see `sheath data list`"
+        )
+
+
+def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """The runs of True as (start, stop), the latter exclusive."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
+
+
+def by_expert(recorded: Recorded) -> NDArray[np.bool_]:
+    """(T,) in which steps the expert acted."""
+    actors = np.array([actor is Actor.EXPERT for actor in recorded.header.actors])
+    return actors[recorded.arrays["actor"]]
+
+
+def piece(recorded: Recorded, start: int, stop: int) -> Recorded:
+    """The steps `start` .. `stop` (exclusive) as an episode of their own.
+
+    Its method tells from which step it is, and its final observation is that of step `stop`. One
+    cut off before the end of the whole counts as truncated, since nothing ended there.
+    """
+    header, arrays = recorded.header, recorded.arrays
+    if (start, stop) == (0, header.length):
+        return recorded
+    last = stop == header.length
+    cut = {}
+    for spec in layout(header):
+        if not spec.path.startswith("final/"):
+            cut[spec.path] = arrays[spec.path][start:stop]
+        else:
+            before = arrays[spec.path.removeprefix("final/")]
+            cut[spec.path] = arrays[spec.path] if last else np.asarray(before[stop])
+    return Recorded(
+        replace(
+            header,
+            info=replace(header.info, method=f"{header.info.method}-from{start:04d}"),
+            length=stop - start,
+            expert_steps=int(by_expert(recorded)[start:stop].sum()),
+            queries=int(cut["query"].sum()),
+            terminated=header.terminated and last,
+            truncated=header.truncated or not last,
+        ),
+        cut,
+    )

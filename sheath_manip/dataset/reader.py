@@ -1,0 +1,134 @@
+"""Reading episodes, wherever they are kept."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.faults import Fault
+from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.layout import ArraySpec, layout
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.steps import episode_from
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+
+
+@dataclass(frozen=True)
+class EpisodeSummary:
+    """A stored episode at a glance, without its arrays."""
+
+    name: str
+    info: EpisodeInfo
+    length: int
+    """T, in control steps"""
+    outcome: Outcome
+    expert_share: float
+    """0..1 of the steps in which the expert acted"""
+    queries: int
+    """steps in which the gate asked for a label"""
+    metrics: Mapping[str, float]
+    bytes: int
+    """on the disk"""
+
+
+class EpisodeReader(ABC):
+    """The committed episodes of one place."""
+
+    @property
+    @abstractmethod
+    def address(self) -> str:
+        """Where that is: a directory or a URL."""
+
+    @abstractmethod
+    def names(self) -> list[str]:
+        """The names of all episodes, sorted."""
+
+    @abstractmethod
+    def header(self, name: str) -> Header:
+        """All of the episode `name` that is no array; raises StoreError where it is damaged."""
+
+    @abstractmethod
+    def array(self, name: str, spec: ArraySpec) -> NDArray:
+        """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
+
+    @abstractmethod
+    def files(self, name: str) -> Mapping[str, int]:
+        """The size in bytes of each file of the episode, by its path in the episode's folder."""
+
+    @abstractmethod
+    def content(self, name: str, file: str) -> bytes:
+        """What is in one of the `files` of an episode."""
+
+    @abstractmethod
+    def entry_faults(self) -> list[Fault]:
+        """What else is in that place."""
+
+    def summary(self, name: str) -> EpisodeSummary:
+        """One episode at a glance; raises StoreError where its header cannot be read."""
+        header = self.header(name)
+        return EpisodeSummary(
+            name=name,
+            info=header.info,
+            length=header.length,
+            outcome=header.outcome,
+            expert_share=header.expert_steps / header.length,
+            queries=header.queries,
+            metrics=header.metrics,
+            bytes=sum(self.files(name).values()),
+        )
+
+    def infos(self) -> list[EpisodeSummary]:
+        """All episodes at a glance, sorted by name; raises StoreError as `summary` does."""
+        return [self.summary(name) for name in self.names()]
+
+    def recorded(self, name: str, need_images: bool = True) -> Recorded:
+        """The episode by column; raises StoreError where it is damaged.
+
+        Without `need_images` no image is decompressed, and the arrays of images are not there.
+        """
+        header = self.header(name)
+        return Recorded(
+            header,
+            {
+                spec.path: self.array(name, spec)
+                for spec in layout(header)
+                if need_images or not spec.is_image
+            },
+        )
+
+    def read(self, name: str, need_images: bool = True) -> Episode:
+        """The episode as it was recorded, to the bit; raises StoreError where it is damaged.
+
+        Without `need_images` no image is decompressed and every `Observation.images` is empty.
+        """
+        recorded = self.recorded(name, need_images)
+        return episode_from(recorded.header, recorded.arrays)
+
+    def read_many(self, names: Iterable[str], need_images: bool = True) -> Iterator[Episode]:
+        """The named episodes, each read when it is asked for; raises StoreError as `read` does."""
+        return (self.read(name, need_images) for name in names)
+
+    def episodes(
+        self,
+        purpose: Purpose | None = None,
+        method: str | None = None,
+        round: int | None = None,
+        run_seed: int | None = None,
+        need_images: bool = True,
+    ) -> Iterator[Episode]:
+        """The episodes that match all that is given, in the order (round, index, name)."""
+        wanted = {"purpose": purpose, "method": method, "round": round, "run_seed": run_seed}
+        infos = ((self.header(name).info, name) for name in self.names())
+        matching = [
+            (info.round, info.index, name)
+            for info, name in infos
+            if all(value is None or getattr(info, key) == value for key, value in wanted.items())
+        ]
+        return self.read_many((name for *_, name in sorted(matching)), need_images)
+
+
+def no_such_episode(address: str, name: str) -> StoreError:
+    """The error for a name that is none of the episodes at `address`."""
+    return StoreError(f"{address} has no episode {name!r}; `sheath data list` shows all")

@@ -1,0 +1,70 @@
+"""Mending what can be mended in a store without losing an episode."""
+
+import json
+import shutil
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from sheath_manip.dataset.durable import sync
+from sheath_manip.dataset.faults import FaultError, FaultKind
+from sheath_manip.dataset.header import GROUP_FILE, from_attributes
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import StoreError
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """What a repair did."""
+
+    swept: tuple[str, ...]
+    """leftovers that were deleted"""
+    renamed: tuple[str, ...]
+    """episodes that have their own name again"""
+    waiting: tuple[str, ...]
+    """leftovers that may still be written to"""
+
+
+def repair(store: EpisodeStore, idle_s: float) -> Repaired:
+    """Delete leftovers that nobody wrote to for `idle_s`, and give misnamed episodes their names.
+
+    A damaged episode stays: only its name can say that it may go. Raises StoreError where the disk
+    refuses.
+    """
+    swept, renamed, waiting = [], [], []
+    now_s = time.time()
+    try:
+        for entry in sorted(store.path.iterdir()):
+            if not entry.name.startswith(LEFTOVER_PREFIX):
+                continue
+            if now_s - _last_written_s(entry) < idle_s:
+                waiting.append(entry.name)
+                continue
+            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+            swept.append(entry.name)
+        for name in store.names():
+            own = _own_name(store, name)
+            if own is not None and not (store.path / own).exists():
+                (store.path / name).rename(store.path / own)
+                renamed.append(own)
+        sync(store.path)
+    except OSError as error:
+        raise StoreError(f"cannot repair {store.path} ({error})") from error
+    return Repaired(tuple(swept), tuple(renamed), tuple(waiting))
+
+
+def _own_name(store: EpisodeStore, name: str) -> str | None:
+    """The name that an episode's header tells of, where it has another."""
+    try:
+        store.header(name)
+    except FaultError as error:
+        if error.fault.kind is FaultKind.MISMATCH:
+            group = json.loads((store.path / name / GROUP_FILE).read_bytes())
+            return episode_name(from_attributes(name, group["attributes"]).info)
+    return None
+
+
+def _last_written_s(entry: Path) -> float:
+    inside = entry.rglob("*") if entry.is_dir() else ()
+    return max(path.lstat().st_mtime for path in (entry, *inside))
