@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from sheath_manip.dashboard import Dashboard
 
 TaskName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
-StorePath = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STORE")]
 StoreAddress = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STORE")]
 """a directory or a URL, which a Path would spoil"""
 

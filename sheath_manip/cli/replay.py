@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from rich.text import Text
 
-from sheath_manip.cli.options import Address, StorePath
+from sheath_manip.cli.options import Address, StoreAddress
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 
@@ -14,8 +14,8 @@ from sheath_manip.exceptions import ParameterError
 class Replay:
     """Show a recorded episode in the browser, again and again until Ctrl-C."""
 
-    store: StorePath
-    """directory of the episodes"""
+    store: StoreAddress
+    """directory of the episodes, or a URL"""
     episode: str = "0"
     """name, or place in `sheath data list`, from 0; -1 is the last"""
     speed: float = 1.0
@@ -32,10 +32,10 @@ class Replay:
             raise ParameterError(f"speed is {self.speed}; wanted more than 0, such as 1")
         # Only now: other verbs need no store and no page.
         from sheath_manip.cli.episodes import opened
+        from sheath_manip.dataset.places import open_place
         from sheath_manip.dataset.show import chosen
-        from sheath_manip.dataset.store import EpisodeStore
 
-        store = EpisodeStore(self.store)
+        store = open_place(self.store)
         episode = store.read(chosen(store, self.episode))
         task = session.task(episode.info.task)
         from sheath_manip.dashboard import replay

@@ -1,9 +1,12 @@
 """Looking for everything that is wrong with a store, chunk by chunk."""
 
+from pathlib import PurePosixPath
+
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
+from sheath_manip.dataset.header import GROUP_FILE, Header
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.reader import EpisodeReader
-from sheath_manip.dataset.steps import not_finite, require_known_codes
+from sheath_manip.dataset.steps import not_finite, require_counts, require_known_codes
 
 
 def check(reader: EpisodeReader) -> list[Fault]:
@@ -20,7 +23,7 @@ def check_episode(reader: EpisodeReader, name: str) -> list[Fault]:
         header = reader.header(name)
     except FaultError as error:
         return [error.fault]
-    arrays, faults = {}, []
+    arrays, faults = {}, _foreign_files(reader, name, header)
     for spec in layout(header):
         try:
             array = reader.array(name, spec)
@@ -34,6 +37,7 @@ def check_episode(reader: EpisodeReader, name: str) -> list[Fault]:
         return faults
     try:
         require_known_codes(header, arrays)
+        require_counts(header, arrays)
     except FaultError as error:
         faults.append(error.fault)
     faults += [
@@ -41,3 +45,18 @@ def check_episode(reader: EpisodeReader, name: str) -> list[Fault]:
         for array in not_finite(arrays)
     ]
     return faults
+
+
+def _foreign_files(reader: EpisodeReader, name: str, header: Header) -> list[Fault]:
+    """One fault for each entry of the episode that belongs to none of its arrays."""
+    own = {GROUP_FILE}
+    for spec in layout(header):
+        own |= {str(parent / GROUP_FILE) for parent in PurePosixPath(spec.path).parents}
+        own.add(spec.path)
+    foreign = {
+        file
+        for file in map(PurePosixPath, reader.files(name))
+        if own.isdisjoint(map(str, (file, *file.parents)))
+    }
+    text = "belongs to none of the episode's arrays; move it away"
+    return [Fault(name, FaultKind.FOREIGN, f"{file} {text}") for file in sorted(foreign)]

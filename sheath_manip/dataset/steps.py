@@ -153,6 +153,29 @@ def require_known_codes(header: Header, arrays: Arrays) -> None:
             )
 
 
+def by_expert(header: Header, arrays: Arrays) -> NDArray[np.bool_]:
+    """(T,) in which steps the expert acted."""
+    return np.array([actor is Actor.EXPERT for actor in header.actors])[arrays["actor"]]
+
+
+def require_counts(header: Header, arrays: Arrays) -> None:
+    """Raise FaultError where the header counts other steps than the arrays hold.
+
+    What must hold before: `require_known_codes`.
+    """
+    counts = {
+        "steps by the expert": (header.expert_steps, by_expert(header, arrays).sum()),
+        "queries": (header.queries, arrays["query"].sum()),
+    }
+    for what, (told, held) in counts.items():
+        if told != held:
+            raise FaultError(
+                episode_name(header.info),
+                FaultKind.MISMATCH,
+                f"its header tells of {told} {what}, its arrays hold {held}; {REMEDY}",
+            )
+
+
 def not_finite(arrays: Arrays) -> list[str]:
     """Which of the actions that were executed or are trained on hold NaN or infinity.
 

@@ -24,6 +24,7 @@ from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import (
     arrays_of,
     not_finite,
+    require_counts,
     require_known_codes,
     require_layout,
 )
@@ -90,6 +91,7 @@ class EpisodeStore(EpisodeReader):
             raise _taken(self.path, name)
         require_layout(header, arrays)
         require_known_codes(header, arrays)
+        require_counts(header, arrays)
         for array in not_finite(arrays):
             raise StoreError(
                 f"{name}: an action in {array!r} is not finite; "
