@@ -23,8 +23,10 @@ _LEAST_ADVANCE = 0.45
 _LEAST_ADVANCE_INTO_CUT = 0.05
 _ASIDE = 0.6
 """that a vertex may lie from the trail"""
+_ASIDE_IN_CUT = 0.25
+"""likewise, if the way to it is cut already"""
 _LOST = 2.5
-"""of trail that no vertex could follow: the blade has left its cut somewhere behind the front"""
+"""of trail that no vertex could follow"""
 _SPACING = 0.1
 
 
@@ -66,35 +68,24 @@ class Crack:
 
     def next_cut(self) -> Cut | None:
         """What is to be cut now; None until the blade has come farther."""
-        sheet, size = self.sheet, self.sheet.mesh.size_m
-        length = self.trail.length_m
-        if length < _LEAD * size:
-            return None
-        starts, ends = self._neighbours()
-        if len(ends):
-            aside, along, feet = self.trail.nearest(sheet.rest_m[ends])
-            for index in np.argsort(aside, kind="stable"):
-                end, point = int(ends[index]), feet[index]
-                rim = sheet.on_rim(end)
-                least = _LEAST_ADVANCE_INTO_CUT if rim else _LEAST_ADVANCE
-                if aside[index] > _ASIDE * size or along[index] < least * size:
-                    continue
-                if rim:
-                    return Cut(int(starts[index]), end)
-                if may_snap(sheet, end, point):
-                    return Cut(int(starts[index]), end, (float(point[0]), float(point[1])))
-        if length > _LOST * size:
-            return self._found_again()
+        size = self.sheet.mesh.size_m
+        while self.trail.length_m >= _LEAD * size:
+            beyond = self._cut_before()
+            if beyond is None:
+                cut = self._nearest_cut()
+                lost = cut is None and self.trail.length_m > _LOST * size
+                return self.puncture(self.trail.points_m[-1]) if lost else cut
+            # Where it is cut already, the front goes along for nothing.
+            self._move_front(beyond)
         return None
 
     def made(self, cut: Cut) -> None:
         """Note that `cut` has been made."""
-        point = self.sheet.rest_m[cut.end]
         if cut.start == cut.end:
-            self.trail.start(point)
+            self.front = cut.end
+            self.trail.start(self.front_m)
         else:
-            self.trail.cut_off(float(self.trail.nearest(point[None])[1][0]), point)
-        self.front = cut.end
+            self._move_front(cut.end)
         self._cuts.append(cut)
 
     def memory(self) -> NDArray[np.float64]:
@@ -122,16 +113,42 @@ class Crack:
         starts, ends = np.array(pairs, np.int64).reshape(-1, 2).T
         return starts, ends
 
-    def _found_again(self) -> Cut | None:
-        """Go on from the vertex of the cut that the trail has left last, or begin a new cut."""
-        sheet = self.sheet
-        passed = np.unique([vertex for cut in self._cuts for vertex in (cut.start, cut.end)])
-        aside, along, _ = self.trail.nearest(sheet.rest_m[passed])
-        near = np.flatnonzero(aside < sheet.mesh.size_m)
-        if len(near):
-            last = int(near[along[near].argmax()])
-            if along[last] > 0 or passed[last] != self.front:
-                self.front = int(passed[last])
-                self.trail.cut_off(float(along[last]), sheet.rest_m[self.front])
-                return None
-        return self.puncture(self.trail.points_m[-1])
+    def _nearest_cut(self) -> Cut | None:
+        """To the neighbour next to the trail that the front may go to."""
+        sheet, size = self.sheet, self.sheet.mesh.size_m
+        starts, ends = self._neighbours()
+        if not len(ends):
+            return None
+        aside, along, feet = self.trail.nearest(sheet.rest_m[ends])
+        for index in np.argsort(aside, kind="stable"):
+            end, point = int(ends[index]), feet[index]
+            rim = sheet.on_rim(end)
+            least = _LEAST_ADVANCE_INTO_CUT if rim else _LEAST_ADVANCE
+            if aside[index] > _ASIDE * size or along[index] < least * size:
+                continue
+            if rim:
+                return Cut(int(starts[index]), end)
+            if may_snap(sheet, end, point):
+                return Cut(int(starts[index]), end, (float(point[0]), float(point[1])))
+        return None
+
+    def _cut_before(self) -> int | None:
+        """The vertex that the trail leads to along an edge which is cut already, if it does."""
+        sheet, size = self.sheet, self.sheet.mesh.size_m
+        ends = [
+            there
+            for cut in self._cuts
+            for here, there in ((cut.start, cut.end), (cut.end, cut.start))
+            if here != there and (sheet.rest_m[here] == self.front_m).all()
+        ]
+        if not ends:
+            return None
+        aside, along, _ = self.trail.nearest(sheet.rest_m[ends])
+        best = int(aside.argmin())
+        near = aside[best] < _ASIDE_IN_CUT * size and along[best] > _LEAST_ADVANCE * size
+        return ends[best] if near else None
+
+    def _move_front(self, vertex: int) -> None:
+        point = self.sheet.rest_m[vertex]
+        self.trail.cut_off(float(self.trail.nearest(point[None])[1][0]), point)
+        self.front = vertex
