@@ -11,7 +11,7 @@ from tasks.gauze_cutting.cutting.elasticity import Membrane
 from tasks.gauze_cutting.cutting.flexcomp import add_sheet
 from tasks.gauze_cutting.cutting.hex_mesh import Mesh, hex_square
 from tasks.gauze_cutting.cutting.journal import Cut, make, make_again
-from tasks.gauze_cutting.cutting.locating import locate, place_of, vertex_positions
+from tasks.gauze_cutting.cutting.locating import lie_of, vertex_positions
 from tasks.gauze_cutting.cutting.pieces import area_in_circle_m2, area_m2, free_pieces
 from tasks.gauze_cutting.cutting.severing import edge_between, sever
 from tasks.gauze_cutting.cutting.sheet import NONE, Sheet, SparesExhausted
@@ -53,7 +53,7 @@ def follow(crack: Crack, path: np.ndarray, data: mujoco.MjData | None = None) ->
         if data is None:
             make_again(sheet, each)
         else:
-            make(sheet, each, data, vertex_positions(sheet, data))
+            make(sheet, each, data, lie_of(sheet, data))
         crack.made(each)
 
     cut(crack.puncture(path[0]))
@@ -201,7 +201,7 @@ def test_a_doubled_vertex_moves_like_the_one_that_it_comes_from():
     sheet = sheet_in(physics)
     mujoco.mj_step(model, data, 30)
     mujoco.mj_kinematics(model, data)
-    before = place_of(sheet, vertex_positions(sheet, data), np.array([0.0, 0.0131]))
+    before = lie_of(sheet, data).of(np.array([0.0, 0.0131]))
     follow(Crack(sheet), circle(0.013)[:90], data)
     mujoco.mj_kinematics(model, data)
     positions = vertex_positions(sheet, data)
@@ -210,7 +210,7 @@ def test_a_doubled_vertex_moves_like_the_one_that_it_comes_from():
         np.testing.assert_allclose(positions[vertex], positions[source], atol=1e-12)
         own, copied = sheet.dofs[[source, vertex]]
         np.testing.assert_array_equal(data.qvel[own : own + 3], data.qvel[copied : copied + 3])
-    after = place_of(sheet, positions, np.array([0.0, 0.0131]))
+    after = lie_of(sheet, data).of(np.array([0.0, 0.0131]))
     np.testing.assert_allclose(after.world_m, before.world_m, atol=5e-5)
 
 
@@ -220,11 +220,11 @@ def test_places_are_found_in_the_deformed_sheet():
     sheet = sheet_in(physics)
     mujoco.mj_step(model, data, 30)
     mujoco.mj_kinematics(model, data)
-    positions = vertex_positions(sheet, data)
+    lie = lie_of(sheet, data)
     for point in np.random.default_rng(0).uniform(-0.02, 0.02, (20, 2)):
-        there = place_of(sheet, positions, point)
+        there = lie.of(point)
         assert there.inside
-        back = locate(sheet, positions, there.world_m[:2], point, 0.02)
+        back = lie.below(there.world_m[:2], point, 0.02)
         np.testing.assert_allclose(back.material_m, point, atol=1e-12)
 
 

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.locating import place_of
+from tasks.gauze_cutting.cutting.locating import Lie
 from tasks.gauze_cutting.cutting.severing import Doubled, edge_between, sever
 from tasks.gauze_cutting.cutting.sheet import Sheet
 from tasks.gauze_cutting.cutting.snapping import snap
@@ -35,17 +35,17 @@ class Cut:
         return cls(int(row[0]), int(row[1]), moved)
 
 
-def make(sheet: Sheet, cut: Cut, data: mujoco.MjData, positions_m: NDArray) -> list[Doubled]:
-    """Cut a sheet in a running simulation; (n, 3) `positions_m` of its vertices follow.
+def make(sheet: Sheet, cut: Cut, data: mujoco.MjData, lie: Lie) -> list[Doubled]:
+    """Cut a sheet in a running simulation, whose kinematics are up to date and stay so.
 
-    Raises SparesExhausted, with sheet and data as they were but for the snapped vertex.
+    `lie` is how the sheet lies, and follows. Raises SparesExhausted, with sheet and data as they
+    were but for the snapped vertex.
     """
     if cut.snapped_m is not None:
-        _carry(sheet, cut.end, np.array(cut.snapped_m), data, positions_m)
+        _carry(sheet, cut.end, np.array(cut.snapped_m), data, lie)
     doubled = make_again(sheet, cut)
     for each in doubled:
-        positions_m[each.copy] = positions_m[each.vertex]
-        _set_position(sheet, each.copy, positions_m[each.copy], data)
+        _set_position(sheet, each.copy, lie.positions_m[each.vertex], data, lie)
         own, copied = (sheet.dofs[vertex] + np.arange(3) for vertex in (each.vertex, each.copy))
         for array in (data.qvel, data.qacc_warmstart):
             array[copied] = array[own]
@@ -72,22 +72,20 @@ def rows_of(cuts: Iterable[Cut], longest: int) -> NDArray[np.float64]:
 
 
 def _carry(
-    sheet: Sheet, vertex: int, point_m: NDArray, data: mujoco.MjData, positions_m: NDArray
+    sheet: Sheet, vertex: int, point_m: NDArray, data: mujoco.MjData, lie: Lie
 ) -> None:
     """Put a vertex where the material that it is about to stand for is now."""
-    place = place_of(sheet, positions_m, point_m)
-    corners = sheet.active_elements[place.element]
-    positions_m[vertex] = place.world_m
-    _set_position(sheet, vertex, place.world_m, data)
-    free = np.flatnonzero(~sheet.pinned[corners])
-    columns = sheet.dofs[corners[free]][:, None] + np.arange(3)
+    place = lie.of(point_m)
+    _set_position(sheet, vertex, place.world_m, data, lie)
+    free = np.flatnonzero(~sheet.pinned[place.corners])
+    columns = sheet.dofs[place.corners[free]][:, None] + np.arange(3)
     data.qvel[sheet.dofs[vertex] + np.arange(3)] = place.weights[free] @ data.qvel[columns]
 
 
-def _set_position(sheet: Sheet, vertex: int, position_m: NDArray, data: mujoco.MjData) -> None:
+def _set_position(
+    sheet: Sheet, vertex: int, position_m: NDArray, data: mujoco.MjData, lie: Lie
+) -> None:
     """Vertices slide along the axes of a body that does not turn."""
-    start = sheet.coordinates[vertex]
-    moved = position_m - data.xpos[sheet.bodies[vertex]]
-    data.qpos[start : start + 3] += moved
-    # So that a second move in the same instant starts from the first.
-    data.xpos[sheet.bodies[vertex]] = position_m
+    body, start = sheet.bodies[vertex], sheet.coordinates[vertex]
+    data.qpos[start : start + 3] += position_m - data.xpos[body]
+    data.xpos[body] = lie.positions_m[vertex] = position_m
