@@ -59,10 +59,13 @@ ARM_WITH_JAW = RobotDescription(
     **JAW,
 )
 
+# The tip at (.42, 0, .20) m, straight down.
+BLADE_HOME_RAD = (0.0, -1.2155, 1.8599, 0.9264, 0.0, 0.0)
+
 ARM_WITH_BLADE = RobotDescription(
     build=build_arm_with_blade,
     joint_speeds_rad_s=ARM_JOINT_SPEEDS_RAD_S,
-    home_rad=HOME_RAD,
+    home_rad=BLADE_HOME_RAD,
     tool_site="blade/tip",
     servos=tuple(ARM_JOINT_SPEEDS_RAD_S),
     body_geoms=(*ARM_GEOMS, "blade/handle", "blade/needle"),
