@@ -34,7 +34,9 @@ def along_circle(
     radius = float(np.linalg.norm(ahead))
     outwards = ahead / max(radius, 1e-6)
     onwards = np.array([-outwards[1], outwards[0]])
-    back = np.clip(_RETURN_HZ * (RADIUS_M - radius), -_MOST_RETURN * SPEED_M_S, _MOST_RETURN * SPEED_M_S)
+    back = np.clip(
+        _RETURN_HZ * (RADIUS_M - radius), -_MOST_RETURN * SPEED_M_S, _MOST_RETURN * SPEED_M_S
+    )
     # Slower along the line while it has to be reached first.
     along = SPEED_M_S * (1 - 0.7 * abs(back) / (_MOST_RETURN * SPEED_M_S))
     turned = along * _AHEAD_S / RADIUS_M / 2

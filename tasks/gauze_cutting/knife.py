@@ -61,7 +61,9 @@ class Knife:
         """Where in the sheet the blade is."""
         return lie.below(tip_m[:2], self._path[-1], LOOK_M)
 
-    def move(self, tip_m: NDArray, data: mujoco.MjData, friction_n: float, timestep_s: float) -> Lie:
+    def move(
+        self, tip_m: NDArray, data: mujoco.MjData, friction_n: float, timestep_s: float
+    ) -> Lie:
         """The tip has come to (3,) `tip_m` within a control step; how the sheet lies now."""
         lie = self._workpiece.lie()
         place = self.place(lie, tip_m)

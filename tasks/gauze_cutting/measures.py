@@ -29,9 +29,7 @@ def path_measures(path_m: NDArray, radius_m: float) -> PathMeasures:
     angles = np.arctan2(path_m[:, 1], path_m[:, 0])
     sectors = ((angles + np.pi) / (2 * np.pi) * SECTORS).astype(int) % SECTORS
     covered = np.unique(sectors[deviations < SECTOR_TOLERANCE_M])
-    return PathMeasures(
-        float(deviations.mean()), float(deviations.max()), len(covered) / SECTORS
-    )
+    return PathMeasures(float(deviations.mean()), float(deviations.max()), len(covered) / SECTORS)
 
 
 def overlap(sheet: Sheet, disc: NDArray | None, radius_m: float) -> tuple[float, float]:

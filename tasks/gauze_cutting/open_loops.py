@@ -18,7 +18,9 @@ _EVERYWHERE_M = 1.0
 class OpenLoop:
     """Follows the circle in the sheet as it takes it to lie, and believes to be in it."""
 
-    def __init__(self, environment: ComposerEnvironment, believed: Callable[[GauzeTask], Lie]) -> None:
+    def __init__(
+        self, environment: ComposerEnvironment, believed: Callable[[GauzeTask], Lie]
+    ) -> None:
         self._task = task_of(environment)
         self._believed = believed
         self._lie: Lie | None = None

@@ -4,9 +4,14 @@ import mink
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.twist_control import TwistControl
+
 TOP_SPEED_M_S = 0.03
 """of an action of ones along an axis"""
 _GAIN_HZ = 4.0
+_MOST_STEPS = 12
+_CLOSE = 1e-5
+"""m and rad"""
 
 
 def planar_twist(
@@ -25,10 +30,12 @@ def planar_twist(
     return np.concatenate([velocity_m_s, [climb], _GAIN_HZ * turn])
 
 
-def joints_for(control, start_rad: NDArray, position_m: NDArray, rotation: NDArray) -> NDArray:
+def joints_for(
+    control: TwistControl, start_rad: NDArray, position_m: NDArray, rotation: NDArray
+) -> NDArray[np.float64]:
     """(j,) joints that put the tool at (3,) `position_m` and (3, 3) `rotation`.
 
-    `control` is a `TwistControl`; it is asked for one step after another from (j,) `start_rad`.
+    `control` is asked for one step after another from (j,) `start_rad`.
     """
     joints = np.array(start_rad, float)
     for _ in range(_MOST_STEPS):
@@ -39,8 +46,3 @@ def joints_for(control, start_rad: NDArray, position_m: NDArray, rotation: NDArr
             return joints
         joints = control.joint_targets(joints, error / control.timestep_s)
     return joints
-
-
-_MOST_STEPS = 12
-_CLOSE = 1e-6
-"""m and rad"""

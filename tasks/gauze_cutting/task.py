@@ -89,6 +89,8 @@ class GauzeTask(SheathTask):
         self._placing = twist_control(ARM_WITH_BLADE, 1.0)
         home = np.array(ARM_WITH_BLADE.home_rad)
         self._rotation = self.drive.control.transform_tool_to_world(home)[:3, :3]
+        middle = CENTRE_M - [0.0, 0.0, DEPTH_M]
+        self._over_middle_rad = joints_for(self._placing, home, middle, self._rotation)
         self._tally = Tally()
         self._scene: Scene | None = None
         self._heading, self._velocity = np.zeros(2), np.zeros(3)
@@ -162,8 +164,8 @@ class GauzeTask(SheathTask):
         start = (RADIUS_M + scene.puncture_m) * outwards
         tip = self.workpiece.lie().of(start).world_m.copy()
         tip[2] = scene.centre_m[2] - DEPTH_M
-        home = np.array(ARM_WITH_BLADE.home_rad)
-        self.drive.place(joints_for(self._placing, home, tip, self._rotation))
+        joints = joints_for(self._placing, self._over_middle_rad, tip, self._rotation)
+        self.drive.place(joints)
         mujoco.mj_kinematics(model, data)
         self.knife.put_in(start, self.tip_m, data)
         # Counter-clockwise along the line.
@@ -171,7 +173,12 @@ class GauzeTask(SheathTask):
         self._velocity = np.zeros(3)
         self.workpiece.park_spares()
         data.qfrc_applied[:] = 0.0
-        mujoco.mj_forward(model, data)
+        mujoco.mj_fwdPosition(model, data)
+
+    @staticmethod
+    def rest() -> NDArray[np.float32]:
+        """(2,) the action that leaves the blade where it is."""
+        return np.zeros(2, np.float32)
 
     @property
     def tip_m(self) -> NDArray[np.float64]:

@@ -5,10 +5,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tasks.gauze_cutting.bench import CLIPS, SHEET
-from tasks.gauze_cutting.cutting.elasticity import Membrane
 from tasks.gauze_cutting.cutting.locating import Lie, lie_of
 from tasks.gauze_cutting.cutting.pieces import free_pieces
-from tasks.gauze_cutting.cutting.sheet import NONE, Sheet
+from tasks.gauze_cutting.cutting.sheet import Sheet
 from tasks.gauze_cutting.geometry import (
     CENTRE_M,
     CLIP_OF_VERTEX,
@@ -52,8 +51,7 @@ class Workpiece:
         """Put a whole sheet where and how `scene` has it, at rest."""
         self._scene = scene
         model, data, sheet = self._model, self._data, self.sheet
-        young = scene.stiffness * MEMBRANE.young_pa
-        sheet.restore(Membrane(young, MEMBRANE.poisson, MEMBRANE.thickness_m))
+        sheet.restore(scene.stiffness * MEMBRANE.young_pa)
         model.jnt_stiffness[self._joints] = SUPPORT_N_M
         rest = sheet.rest_m[self._free]
         flat = (rest + clip_weights(rest) @ scene.clips_m) @ scene.rotation.T
@@ -99,7 +97,9 @@ class Workpiece:
         sheet = self.sheet
         edges = sheet.active_edges
         ends = lie.positions_m[sheet.edges[edges]]
-        return float((np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / sheet.lengths_m[edges]).max() - 1)
+        return float(
+            (np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / sheet.lengths_m[edges]).max() - 1
+        )
 
     def disc(self) -> NDArray[np.int64] | None:
         """The elements of the free piece that the middle of the circle belongs to, if it is free."""

@@ -162,14 +162,19 @@ def test_restoring_brings_back_the_model_to_the_bit():
     assert (sheet.spare_vertices, sheet.spare_edges) == (3 * SPARES, 3 * SPARES)
 
 
-def test_another_membrane_is_as_one_that_was_compiled():
+def test_another_stiffness_is_as_if_it_was_compiled():
     sheet = sheet_in(simulation())
-    stiff = Membrane(3e5, 0.2, 5e-4)
-    before = sheet.stiffness.copy()
-    sheet.restore(stiff)
-    np.testing.assert_allclose(sheet.stiffness, 1.5 * before, rtol=1e-9)
-    sheet.restore(MEMBRANE)
-    np.testing.assert_allclose(sheet.stiffness, before, rtol=1e-9)
+    compiled = sheet.stiffness.copy(), sheet.bending.copy()
+    sheet.restore(3e5)
+    soft_made_stiff = sheet.stiffness.copy(), sheet.bending.copy()
+    sheet.recompute(range(len(MESH.triangles)))
+    np.testing.assert_allclose(sheet.stiffness, soft_made_stiff[0], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(sheet.bending, soft_made_stiff[1], rtol=1e-9, atol=1e-18)
+    sheet.restore()
+    np.testing.assert_array_equal(sheet.stiffness, soft_made_stiff[0])
+    sheet.restore(MEMBRANE.young_pa)
+    np.testing.assert_array_equal(sheet.stiffness, compiled[0])
+    np.testing.assert_array_equal(sheet.bending, compiled[1])
 
 
 def test_the_journal_makes_the_same_cut_again():

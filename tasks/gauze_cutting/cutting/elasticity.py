@@ -57,9 +57,7 @@ def stretch_stiffness(corners_m: NDArray, membrane: Membrane) -> NDArray[np.floa
     duals = np.linalg.inv(np.stack([x * x, y * y, 2 * x * y], axis=-1)).transpose(0, 2, 1)
     traces = duals[..., 0] + duals[..., 1]
     products = np.einsum("nia,nja,a->nij", duals, duals, [1.0, 1.0, 2.0])
-    both = membrane.shear_pa * products + membrane.lame_pa * np.einsum(
-        "ni,nj->nij", traces, traces
-    )
+    both = membrane.shear_pa * products + membrane.lame_pa * np.einsum("ni,nj->nij", traces, traces)
     stiffness = both * (areas * membrane.thickness_m / 4)[:, None, None]
     return stiffness[:, _UPPER[0], _UPPER[1]]
 

@@ -26,7 +26,9 @@ def hex_square(side_m: float, columns: int) -> Mesh:
     Raises ParameterError for fewer than 3 vertices a row.
     """
     if columns < 3 or side_m <= 0:
-        raise ParameterError(f"{columns} columns over {side_m} m; wanted 3 or more over some length")
+        raise ParameterError(
+            f"{columns} columns over {side_m} m; wanted 3 or more over some length"
+        )
     size_m = side_m / (columns - 1)
     # An odd number of rows, so that the last is like the first and the square is symmetric.
     rows = 2 * round(side_m / (size_m * np.sqrt(3) / 2) / 2) + 1

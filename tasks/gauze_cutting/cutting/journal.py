@@ -71,9 +71,7 @@ def rows_of(cuts: Iterable[Cut], longest: int) -> NDArray[np.float64]:
     return rows
 
 
-def _carry(
-    sheet: Sheet, vertex: int, point_m: NDArray, data: mujoco.MjData, lie: Lie
-) -> None:
+def _carry(sheet: Sheet, vertex: int, point_m: NDArray, data: mujoco.MjData, lie: Lie) -> None:
     """Put a vertex where the material that it is about to stand for is now."""
     place = lie.of(point_m)
     _set_position(sheet, vertex, place.world_m, data, lie)

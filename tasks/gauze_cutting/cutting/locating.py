@@ -69,7 +69,10 @@ class Lie:
     def _place(self, element: int, weights: NDArray) -> Place:
         corners = self.elements[element]
         return Place(
-            corners, weights, weights @ self.material_m[corners], weights @ self.positions_m[corners]
+            corners,
+            weights,
+            weights @ self.material_m[corners],
+            weights @ self.positions_m[corners],
         )
 
 

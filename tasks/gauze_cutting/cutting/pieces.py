@@ -33,9 +33,7 @@ def area_m2(sheet: Sheet, elements: NDArray) -> float:
     return float(np.abs(_cross(b - a, c - a)).sum() / 2)
 
 
-def area_in_circle_m2(
-    sheet: Sheet, elements: NDArray, centre_m: NDArray, radius_m: float
-) -> float:
+def area_in_circle_m2(sheet: Sheet, elements: NDArray, centre_m: NDArray, radius_m: float) -> float:
     """How much of a piece lies in a circle, exactly.
 
     The signed areas that the circle shares with the triangles from its centre to each side of an

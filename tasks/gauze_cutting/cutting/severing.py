@@ -97,9 +97,7 @@ def _parts(sheet: Sheet, vertex: int) -> list[NDArray[np.int64]]:
     """The elements around a vertex, by what hangs together over edges that end in it."""
     left = [int(element) for element in sheet.elements_at(vertex)]
     spokes = {
-        element: {
-            int(edge) for edge in sheet.element_edges[element] if vertex in sheet.edges[edge]
-        }
+        element: {int(edge) for edge in sheet.element_edges[element] if vertex in sheet.edges[edge]}
         for element in left
     }
     parts = []

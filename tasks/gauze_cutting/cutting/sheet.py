@@ -1,6 +1,7 @@
 """The arrays of a model that a cut edits, and the pool that it takes vertices and edges from."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -39,7 +40,7 @@ class Sheet:
         """Take over `flex` of `model`, which `membrane` describes. Raises ParameterError."""
         self.model = model
         self.mesh = mesh
-        self.membrane = membrane
+        self.membrane = self._compiled = membrane
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_FLEX, flex)
         if index < 0:
             raise ParameterError(f"the model has no flex {flex!r}")
@@ -133,15 +134,18 @@ class Sheet:
         """The vertices that are not in use."""
         return slice(len(self.rest_m) - self.spare_vertices, len(self.rest_m))
 
-    def restore(self, membrane: Membrane | None = None) -> None:
-        """Make it whole again, from now on of another `membrane` where one is given."""
+    def restore(self, young_pa: float | None = None) -> None:
+        """Make it whole again, from now on of another Young's modulus where one is given."""
         for array, uncut in zip(self._tied, self._uncut, strict=True):
             array[:] = uncut
         self._vertices_used = self._edges_used = 0
-        if membrane is not None and membrane != self.membrane:
-            self.membrane = membrane
-            self.recompute(range(self._elements_in_mesh))
-            self._uncut = [array.copy() for array in self._tied]
+        if young_pa is not None:
+            self.membrane = replace(self.membrane, young_pa=young_pa)
+        if self.membrane != self._compiled:
+            # Both are linear in it.
+            factor = self.membrane.young_pa / self._compiled.young_pa
+            self.stiffness *= factor
+            self.bending *= factor
 
     def take_vertex(self) -> int:
         """One of the pool; the caller has seen that there is one."""
