@@ -129,11 +129,12 @@ def test_a_damaged_export(exported: Path, tmp_path: Path, number: int) -> None:
     path = Path(copy(exported / target, tmp_path / target))
     damage(path, np.random.default_rng(number))
     sound, back = EpisodeStore(exported / "store"), EpisodeStore.create(tmp_path / "back")
+    said = "-"
     try:
         import_episodes(ImportFormat(form).open(path), back, None)
     except SheathError as error:
-        assert str(error)
-        assert "\n" not in str(error)
+        said = str(error)
+    assert len(said.splitlines()) == 1
     # Whatever came in is as it was.
     for name in back.names():
         assert identical(back.read(name), sound.read(name))
