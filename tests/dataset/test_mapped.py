@@ -99,7 +99,7 @@ def test_broken_files_are_one_line(filled, cache) -> None:
     (directory,) = cache.iterdir()
     file = directory / "labels.npy"
     file.write_bytes(file.read_bytes()[:-3])
-    with pytest.raises(StoreError, match="does not decode .* delete it, it is made anew"):
+    with pytest.raises(StoreError, match=r"does not decode .* delete it, it is made anew"):
         mapped_samples(filled, filled.names(), cache)
     file.unlink()
     with pytest.raises(StoreError, match="delete it"):

@@ -55,7 +55,7 @@ def test_two_episodes_of_one_name_stop_it_before_anything_is_copied(tmp_path, wh
     one, other = filled(tmp_path / "a", [0, 1]), filled(tmp_path / "b", [1], actors="pep")
     target = other if where == "target" else EpisodeStore.create(tmp_path / "c")
     before = contents(target)
-    with pytest.raises(StoreError, match="hold different episodes .* both are kept"):
+    with pytest.raises(StoreError, match=r"hold different episodes .* both are kept"):
         merge([one, other], target)
     assert contents(target) == before
 
