@@ -39,7 +39,8 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
     """
     summaries, broken = readable(reader)
     if not summaries:
-        raise StoreError(f"{reader.address} has no episode to tell of")
+        why = f" that can be read; {broken[0]}" if broken else ""
+        raise StoreError(f"{reader.address} has no episode{why}")
     headers = [reader.header(summary.name) for summary in summaries]
     # Only where a limit acted does an episode have the array that tells of it.
     header = max(headers, key=lambda header: bool(header.limits))

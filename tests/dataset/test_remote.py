@@ -51,6 +51,8 @@ def name(store: EpisodeStore) -> str:
 
 @pytest.fixture
 def pushed(store: EpisodeStore, name: str, url: str) -> RemoteStore:
+    """The URL, where `name` was pushed to."""
+    assert store.names() == [name]
     target = RemoteStore.create(url)
     assert merge([store], target) == Merged(1, 0)
     return RemoteStore(url)
@@ -235,7 +237,7 @@ def test_an_address_that_leads_nowhere_is_one_line(url) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_a_server_that_went_away_is_no_damage(store, name, tmp_path: Path) -> None:
+def test_a_server_that_went_away_is_no_damage(store, name) -> None:
     with s3_server():
         target = RemoteStore.create(f"s3://{BUCKET}/demos")
         merge([store], target)
