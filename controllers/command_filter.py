@@ -66,10 +66,8 @@ class Admitted:
 class _Motion:
     """A step and the stop that could follow it."""
 
-    velocities: NDArray[np.float64]
-    """(j,) of the step"""
-    stop: NDArray[np.float64]
-    """(n, j) of the steps after it, until it rests"""
+    rates: NDArray[np.float64]
+    """(1 + n, j) velocities during the step, then during those of the stop, until it rests"""
     path: NDArray[np.float64]
     """(1 + n, j) where the joints are at their ends"""
 
@@ -160,9 +158,9 @@ class CommandFilter:
             wish = np.zeros_like(self._targets)
         wish = self._slowed(wish, taken)
         motion = self._placed(wish, taken)
-        self._changes = motion.velocities - self._velocities
+        self._changes = motion.rates[0] - self._velocities
         self._targets = motion.path[0]
-        self._velocities, self._stop = motion.velocities, motion.stop
+        self._velocities, self._stop = motion.rates[0], motion.rates[1:]
         limited = tuple(Limited(*item) for item in sorted(taken.items()))
         return Admitted(self.targets_rad, self.velocities_rad_s, limited)
 
@@ -207,7 +205,7 @@ class CommandFilter:
         if refusal is None:
             return asked
         admitted = self._going_on()
-        admitted_wish, refused_wish = admitted.velocities, wish
+        admitted_wish, refused_wish = admitted.rates[0], wish
         names, walls = set[str](), list[NDArray]()
         for _ in range(_SLIDES):
             names.add(refusal.limit)
@@ -229,7 +227,7 @@ class CommandFilter:
             else:
                 refused_wish = middle
         for name in names:
-            self._note(name, asked.velocities, admitted.velocities, taken)
+            self._note(name, asked.rates[0], admitted.rates[0], taken)
         return admitted
 
     def _reached(self, wish: NDArray, taken: dict[str, float] | None = None) -> _Motion:
@@ -240,7 +238,7 @@ class CommandFilter:
         if changes is not None and len(changes) == 1:
             wanted = wish
         else:
-            wanted = self._going_on().velocities if changes is None else now + changes[0]
+            wanted = self._going_on().rates[0] if changes is None else now + changes[0]
             if taken is not None:
                 self._note(ACCELERATION, wish, wanted, taken)
         motion, holds = self._with_stop(wanted)
@@ -248,7 +246,7 @@ class CommandFilter:
             return motion
         motion = self._towards(wanted)
         if taken is not None:
-            self._note(RANGE, wanted, motion.velocities, taken)
+            self._note(RANGE, wanted, motion.rates[0], taken)
         return motion
 
     def _towards(self, wanted: NDArray) -> _Motion:
@@ -256,52 +254,46 @@ class CommandFilter:
 
         A joint that finds none takes the next step of the stop that is kept.
         """
-        kept = self._going_on()
-        velocities, stop = kept.velocities, self._padded(kept.stop)
+        kept = self._padded(self._going_on().rates)
+        rates = kept
         admitted, refused = np.zeros_like(wanted), np.ones_like(wanted)
         share = refused
         for _ in range(1 + _HALVINGS):
-            tried, held = self._with_stop(kept.velocities + share * (wanted - kept.velocities))
+            tried, held = self._with_stop(kept[0] + share * (wanted - kept[0]))
             holds = held.all(axis=0)
-            velocities = np.where(holds, tried.velocities, velocities)
-            stop = np.where(holds, self._padded(tried.stop), stop)
+            rates = np.where(holds, self._padded(tried.rates), rates)
             admitted = np.where(holds, share, admitted)
             refused = np.where(holds, refused, share)
             share = np.where(admitted == 1.0, 1.0, (admitted + refused) / 2)
-        return self._motion(velocities, _until_rest(stop))
+        return self._motion(np.concatenate([rates[:1], _until_rest(rates[1:])]))
 
     def _with_stop(self, velocities: NDArray) -> tuple[_Motion, NDArray[np.bool_]]:
         """A step of (j,) `velocities` with its stop, and (1 + n, j) where joints hold limits."""
         changes = self.stopping.changes(velocities, velocities - self._velocities)
         if changes is None:
             return self._going_on(), np.zeros((1, len(velocities)), bool)
+        rates = velocities[None]
         # The last change is the one to rest.
-        stop = velocities + changes[:-1].cumsum(axis=0)
-        stop[np.abs(stop) < _TINY] = 0.0
-        motion = self._motion(velocities, stop)
+        if len(changes) > 1:
+            stop = velocities + changes[:-1].cumsum(axis=0)
+            stop[np.abs(stop) < _TINY] = 0.0
+            rates = np.concatenate([rates, stop])
+        motion = self._motion(rates)
         holds = (motion.path >= self._lower_rad) & (motion.path <= self._upper_rad)
-        holds[0] &= np.abs(velocities) <= self._speeds_rad_s
-        holds[1:] &= np.abs(stop) <= self._speeds_rad_s
-        return motion, holds
+        return motion, holds & (np.abs(rates) <= self._speeds_rad_s)
 
     def _going_on(self) -> _Motion:
         """The next step of the stop that is kept."""
-        if not len(self._stop):
-            return self._motion(np.zeros_like(self._targets), self._stop)
-        return self._motion(self._stop[0], self._stop[1:])
+        return self._motion(self._stop if len(self._stop) else np.zeros((1, len(self._targets))))
 
-    def _motion(self, velocities: NDArray, stop: NDArray) -> _Motion:
+    def _motion(self, rates: NDArray) -> _Motion:
         """From where the joints are commanded now."""
-        first = self._targets + velocities * self.timestep_s
-        if not len(stop):
-            return _Motion(velocities, stop, first[None])
-        rest = first + stop.cumsum(axis=0) * self.timestep_s
-        return _Motion(velocities, stop, np.concatenate([first[None], rest]))
+        return _Motion(rates, self._targets + rates.cumsum(axis=0) * self.timestep_s)
 
-    def _padded(self, stop: NDArray) -> NDArray[np.float64]:
-        """(N, j) with rest up to the last step that a stop may take."""
-        padded = np.zeros((self.stopping.steps, stop.shape[1]))
-        padded[: len(stop)] = stop
+    def _padded(self, rates: NDArray) -> NDArray[np.float64]:
+        """(1 + N, j) with rest up to the last step that a stop may take."""
+        padded = np.zeros((1 + self.stopping.steps, rates.shape[1]))
+        padded[: len(rates)] = rates
         return padded
 
     def _refusal(self, motion: _Motion) -> _Refusal | None:

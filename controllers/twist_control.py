@@ -48,8 +48,9 @@ class TwistControl:
         self.configuration = mink.Configuration(model)
         self._site = int(model.site(tool_site).id)
         self._tool = mink.FrameTask(tool_site, "site", position_cost=1.0, orientation_cost=0.3)
-        self._posture = mink.PostureTask(model, cost=_POSTURE_COST)
-        self._posture.set_target(np.array(home_rad, float))
+        self._home_rad = np.array(home_rad, float)
+        self._own_hessian = (_POSTURE_COST**2 + _DAMPING) * np.eye(model.nv)
+        self._no_rows = np.zeros((0, model.nv))
         self._steps_rad = np.array(list(joint_speeds_rad_s.values()), float) * timestep_s
         self.further_limits: tuple[mink.Limit, ...] = ()
         """beside the joints' ranges and speeds"""
@@ -94,25 +95,24 @@ class TwistControl:
     def _solved(self, positions_rad: NDArray) -> NDArray[np.float64] | None:
         """(j,) the joints' step (rad) that serves the objectives best within the limits.
 
-        None where there is none. mink states the problem; ranges and speeds of the joints go to the
-        solver as bounds, for which it has no rows to look at, and not through mink's own limits.
+        None where there is none. mink states what the tool and further limits want. The posture it
+        would put the same way, and the joints' ranges and speeds as twice as many rows, which the
+        solver takes as bounds.
         """
-        problem = mink.build_ik(
-            self.configuration,
-            [self._tool, self._posture],
-            self.timestep_s,
-            damping=_DAMPING,
-            limits=self.further_limits,
-        )
+        hessian, gradient = self._tool.compute_qp_objective(self.configuration)
+        hessian = hessian + self._own_hessian
+        gradient = gradient - _POSTURE_COST**2 * (self._home_rad - positions_rad)
         lower = np.maximum(_RANGE_GAIN * (self.lower_rad - positions_rad), -self._steps_rad)
         upper = np.minimum(_RANGE_GAIN * (self.upper_rad - positions_rad), self._steps_rad)
-        rows = np.zeros((0, len(upper)))
-        if problem.G is not None and problem.h is not None:
-            rows = problem.G
-            lower = np.concatenate([lower, np.full(len(rows), -np.inf)])
-            upper = np.concatenate([upper, problem.h])
-        either_way = np.zeros(len(upper), c_int)
-        step, _, found, _ = daqp.solve(problem.P, problem.q, rows, upper, lower, either_way)
+        rows = self._no_rows
+        for limit in self.further_limits:
+            further = limit.compute_qp_inequalities(self.configuration, self.timestep_s)
+            if further.G is not None and further.h is not None:
+                rows = np.concatenate([rows, further.G])
+                upper = np.concatenate([upper, further.h])
+                lower = np.concatenate([lower, np.full(len(further.h), -np.inf)])
+        inequalities = np.zeros(len(upper), c_int)
+        step, _, found, _ = daqp.solve(hessian, gradient, rows, upper, lower, inequalities)
         return step if found > 0 else None
 
     def _inside(self, positions_rad: NDArray) -> NDArray[np.float64]:

@@ -55,16 +55,17 @@ class Workspace:
         flat = model.geom_type[pairs[:, 1]] == _PLANE
         pairs[flat] = pairs[flat][:, ::-1]
         over_plane = model.geom_type[pairs[:, 0]] == _PLANE
-        planes, self._over_planes = pairs[over_plane].T
+        planes, over = pairs[over_plane].T
         self._pairs = np.concatenate([pairs[over_plane], pairs[~over_plane]])
-        self._first, self._second = np.ascontiguousarray(pairs[~over_plane].T)
+        firsts, seconds = pairs[~over_plane].T
+        self._ends = np.concatenate([over, firsts, seconds])
         radii = model.geom_rbound
-        reach = radii[self._first] + radii[self._second] + clearance_m
+        reach = radii[firsts] + radii[seconds] + clearance_m
         self._reach_squared = reach**2
         # A plane is fixed to the world, says MuJoCo's compiler.
         self._normals = self._data.geom_xmat[planes][:, 2::3]
         heights = np.vecdot(self._normals, self._data.geom_xpos[planes])
-        self._plane_reach = heights + radii[self._over_planes] + clearance_m
+        self._plane_reach = heights + radii[over] + clearance_m
         breach = self.breach(home_rad)
         if breach is not None:
             raise ParameterError(f"at home {breach.what}; wanted a home within the limits")
@@ -104,10 +105,11 @@ class Workspace:
 
     def _near(self) -> NDArray[np.int64]:
         """Pairs whose bounding spheres are not clear of each other."""
-        places = self._data.geom_xpos
-        apart = places[self._first] - places[self._second]
+        places = self._data.geom_xpos[self._ends]
+        planes, pairs = len(self._plane_reach), len(self._reach_squared)
+        low = np.vecdot(self._normals, places[:planes]) < self._plane_reach
+        apart = places[planes : planes + pairs] - places[planes + pairs :]
         near = np.vecdot(apart, apart) < self._reach_squared
-        low = np.vecdot(self._normals, places[self._over_planes]) < self._plane_reach
         return self._pairs[np.concatenate([low, near])]
 
     def _parting(self, first: int, second: int) -> NDArray[np.float64]:
