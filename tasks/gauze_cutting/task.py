@@ -36,8 +36,8 @@ STRAY_M = 0.003
 TEARING = 0.25
 """strain"""
 _BOX_M = (
-    CENTRE_M - [0.06, 0.06, DEPTH_M + 0.005],
-    CENTRE_M + [0.06, 0.06, 0.2],
+    CENTRE_M - np.array([0.06, 0.06, DEPTH_M + 0.005]),
+    CENTRE_M + np.array([0.06, 0.06, 0.2]),
 )
 """for the tip: over the sheet, and up to where the arm waits"""
 _PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
@@ -230,10 +230,10 @@ class GauzeTask(SheathTask):
         if len(self.knife.crack.cuts) > len(before):
             tally.freed = self.workpiece.disc() is not None
         astray = abs(float(np.linalg.norm(self.knife.path_m[-1])) - RADIUS_M)
-        if tally.strain > TEARING or astray > STRAY_M or self.knife.exhausted:
-            tally.outcome = Outcome.FAILURE
-        elif tally.freed:
+        if tally.freed:
             tally.outcome = Outcome.SUCCESS
+        elif tally.strain > TEARING or astray > STRAY_M or self.knife.exhausted:
+            tally.outcome = Outcome.FAILURE
 
     def get_reward(self, physics: mjcf.Physics) -> float:  # noqa: ARG002
         """-1 for a failure, 0 otherwise: learning from demonstrations needs no reward."""

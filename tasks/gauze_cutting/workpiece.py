@@ -102,7 +102,7 @@ class Workpiece:
         )
 
     def disc(self) -> NDArray[np.int64] | None:
-        """The elements of the free piece that the middle of the circle belongs to, if it is free."""
+        """The elements of the piece around the middle of the circle; None while it is not free."""
         middles = self.sheet.rest_m[self.sheet.active_elements].mean(axis=1)
         middle = int((middles**2).sum(axis=1).argmin())
         return next((piece for piece in free_pieces(self.sheet) if middle in piece), None)

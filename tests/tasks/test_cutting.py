@@ -1,5 +1,7 @@
 """The cutting component on a small sheet of its own."""
 
+from itertools import pairwise
+
 import mujoco
 import numpy as np
 import pytest
@@ -65,7 +67,7 @@ def follow(crack: Crack, path: np.ndarray, data: mujoco.MjData | None = None) ->
 
 def slit_along_a_row(sheet: Sheet) -> None:
     row = np.flatnonzero(np.abs(MESH.points_m[:, 1]) < 1e-9)[3:9]
-    for start, end in zip(row[:-1], row[1:], strict=True):
+    for start, end in pairwise(row):
         # A vertex that was doubled goes on under either name.
         edges = (edge_between(sheet, int(copy), int(end)) for copy in sheet.copies(int(start)))
         edge = next(edge for edge in edges if edge is not None)
