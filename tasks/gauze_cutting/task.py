@@ -34,7 +34,7 @@ DEPTH_M = 0.010
 STRAY_M = 0.003
 """from the line: more is a cut that ruins the piece"""
 TEARING = 0.25
-"""strain"""
+"""strain of an edge that is over twice what an expert's cut comes to"""
 _BOX_M = (
     CENTRE_M - np.array([0.06, 0.06, DEPTH_M + 0.005]),
     CENTRE_M + np.array([0.06, 0.06, 0.2]),
@@ -229,6 +229,8 @@ class GauzeTask(SheathTask):
         tally.strain = max(tally.strain, self.workpiece.largest_strain(lie))
         if len(self.knife.crack.cuts) > len(before):
             tally.freed = self.workpiece.disc() is not None
+            if tally.freed:
+                self.workpiece.let_go()
         astray = abs(float(np.linalg.norm(self.knife.path_m[-1])) - RADIUS_M)
         if tally.freed:
             tally.outcome = Outcome.SUCCESS
@@ -287,8 +289,10 @@ class GauzeTask(SheathTask):
         self._velocity = memory[5:8].copy()
         end = 8 + len(self.drive.memory())
         self.drive.recall(memory[8:end])
-        self.workpiece.sheet.restore()
+        self.workpiece.make_whole()
         self.knife.recall(memory[end:])
+        if self._tally.freed:
+            self.workpiece.let_go()
 
     def commanded(self) -> Commanded | None:
         """What the command filter made of the last action."""

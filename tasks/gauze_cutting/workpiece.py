@@ -1,5 +1,7 @@
 """The sheet in a simulation: held by clips that may move, lying on a soft bed."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -44,15 +46,14 @@ class Workpiece:
         self._coordinates = self.sheet.coordinates[self._free][:, None] + np.arange(3)
         self._joints = self.sheet.joints[self._free] + 2
         self._homes_m = model.body_pos[self.sheet.bodies[self._free]] + CENTRE_M
-        model.jnt_stiffness[self._joints] = SUPPORT_N_M
         self._scene: Scene | None = None
 
     def lay(self, scene: Scene) -> None:
         """Put a whole sheet where and how `scene` has it, at rest."""
         self._scene = scene
         model, data, sheet = self._model, self._data, self.sheet
-        sheet.restore(scene.stiffness * MEMBRANE.young_pa)
-        model.jnt_stiffness[self._joints] = SUPPORT_N_M
+        sheet.membrane = replace(MEMBRANE, young_pa=scene.stiffness * MEMBRANE.young_pa)
+        self.make_whole()
         rest = sheet.rest_m[self._free]
         flat = (rest + clip_weights(rest) @ scene.clips_m) @ scene.rotation.T
         # The bed is deepest in the middle and level with the clips at the edges.
@@ -69,6 +70,11 @@ class Workpiece:
             np.sin(scene.yaw_rad / 2),
         ]
         self.move_clips(0.0)
+
+    def make_whole(self) -> None:
+        """Take back all cuts; where its vertices are is not changed."""
+        self.sheet.restore()
+        self._model.jnt_stiffness[self._joints] = SUPPORT_N_M
 
     def move_clips(self, time_s: float) -> None:
         """To where they are at a time of the episode."""
