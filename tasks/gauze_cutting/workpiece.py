@@ -18,8 +18,8 @@ from tasks.gauze_cutting.geometry import (
     MESH,
     SIDE_M,
     SPARE_TRIANGLES,
-    clip_weights,
 )
+from tasks.gauze_cutting.resting import clip_response
 from tasks.gauze_cutting.scene import Scene
 
 SUPPORT_N_M = 0.3
@@ -45,6 +45,10 @@ class Workpiece:
         self._free = np.flatnonzero(~self.sheet.pinned)
         self._coordinates = self.sheet.coordinates[self._free][:, None] + np.arange(3)
         self._joints = self.sheet.joints[self._free] + 2
+        # Spares have none: they lie in the middle.
+        self._response = np.zeros((len(self._free), 2, 4, 2))
+        mesh = self._free < len(MESH.points_m)
+        self._response[mesh] = clip_response()[self._free[mesh]]
         self._homes_m = model.body_pos[self.sheet.bodies[self._free]] + CENTRE_M
         self._scene: Scene | None = None
 
@@ -55,7 +59,8 @@ class Workpiece:
         sheet.membrane = replace(MEMBRANE, young_pa=scene.stiffness * MEMBRANE.young_pa)
         self.make_whole()
         rest = sheet.rest_m[self._free]
-        flat = (rest + clip_weights(rest) @ scene.clips_m) @ scene.rotation.T
+        displaced = np.einsum("nicj,cj->ni", self._response, scene.clips_m)
+        flat = (rest + displaced) @ scene.rotation.T
         # The bed is deepest in the middle and level with the clips at the edges.
         share = 2 * rest / SIDE_M
         depth = scene.sag_m * np.prod(1 - share**2, axis=1)

@@ -10,9 +10,10 @@ import pytest
 from sheath_manip.types import Outcome
 from tasks.composer_environment import ComposerEnvironment
 from tasks.gauze_cutting.expert import GauzeExpert
-from tasks.gauze_cutting.geometry import CORNERS_M, MESH, RADIUS_M, clip_weights
+from tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, CORNERS_M, MESH, RADIUS_M
 from tasks.gauze_cutting.measures import path_measures
 from tasks.gauze_cutting.open_loops import nominal, registered
+from tasks.gauze_cutting.resting import clip_response
 from tasks.gauze_cutting.scene import CALM, DEFAULT, NOMINAL, Slip, draw_scene
 from tasks.gauze_cutting.task import (
     CONTROL_TIMESTEP_S,
@@ -84,10 +85,20 @@ def test_a_slip_moves_its_clips_and_no_other():
     assert 0 < during[1, 0] - before[1, 0] < 0.003
 
 
-def test_clips_carry_what_lies_between_them():
-    weights = clip_weights(MESH.points_m)
-    np.testing.assert_allclose(weights.sum(axis=1), 1)
-    np.testing.assert_allclose(weights @ CORNERS_M, MESH.points_m, atol=1e-15)
+def test_what_lies_between_the_clips_goes_along_with_them():
+    response = clip_response()
+    pushed = np.tile([0.002, -0.001], (4, 1))
+    moved = np.einsum("nicj,cj->ni", response, pushed)
+    np.testing.assert_allclose(moved, np.tile(pushed[0], (len(moved), 1)), atol=1e-12)
+    # To first order a turn is a displacement across.
+    turned = 0.01 * np.column_stack([-CORNERS_M[:, 1], CORNERS_M[:, 0]])
+    moved = np.einsum("nicj,cj->ni", response, turned)
+    wanted = 0.01 * np.column_stack([-MESH.points_m[:, 1], MESH.points_m[:, 0]])
+    free = CLIP_OF_VERTEX < 0
+    # But clips do not turn, so that what is next to them is sheared.
+    inner = np.linalg.norm(MESH.points_m, axis=1) < RADIUS_M
+    assert np.abs(moved - wanted)[free].max() < 3e-4
+    assert np.abs(moved - wanted)[inner].max() < 5e-5
 
 
 def test_the_sheet_lies_where_the_scene_has_it_and_hangs_in_its_clips(bench):
