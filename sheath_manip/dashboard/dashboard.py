@@ -12,7 +12,11 @@ import viser
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard.drawer import Drawer
-from sheath_manip.dashboard.page import Moment, Page
+from sheath_manip.dashboard.hold import Hold
+from sheath_manip.dashboard.layout import live
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.page import Page
+from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.tally import HISTORY_STEPS, Tally
 from sheath_manip.dataset.samples import Samples
@@ -42,7 +46,9 @@ class Dashboard:
     ) -> None:
         self._plane = [spec.feature_names.index(name) for name in spec.plane or ()]
         self._server = GuardedServer.open(host, port, token, label=f"sheath · {spec.name}")
-        self._page = Page(self._server.viser, spec, on_pause=self._toggle_pause)
+        self._hold = Hold()
+        self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
+        self._page = Page(Desk(self._server.viser, spec, self._drawer.wake), live(self._hold))
 
         self._lock = threading.Lock()
         self._tally = Tally()
@@ -52,10 +58,7 @@ class Dashboard:
         self._images: Mapping[str, NDArray[np.uint8]] = {}
         self._training: NDArray[np.float64] | None = None
 
-        self._may_run = threading.Event()
-        self._may_run.set()
         self._closed = threading.Event()
-        self._drawer = Drawer(self._draw_latest, self._page.panel.show_trouble, DRAW_RATE_HZ)
         self._server.viser.on_client_connect(self._greet)
 
     @property
@@ -66,7 +69,7 @@ class Dashboard:
     @property
     def paused(self) -> bool:
         """Whether the person holds the run."""
-        return not self._may_run.is_set()
+        return self._hold.paused
 
     def show_training(self, positions: NDArray) -> None:
         """Show where the policy was fitted: (n, 2) metres in `TaskSpec.plane`."""
@@ -102,7 +105,7 @@ class Dashboard:
                 x, y = step.observation.features[self._plane]
                 self._trail.append((float(x), float(y), step.decision.actor))
         self._drawer.wake()
-        self._may_run.wait()
+        self._hold.wait()
 
     def on_end(self, episode: Episode) -> None:
         """Show how the episode ended."""
@@ -112,13 +115,13 @@ class Dashboard:
 
     def pause(self) -> None:
         """Hold the run at its next step, as the page's button does."""
-        self._may_run.clear()
-        self._page.panel.show_paused(True)
+        self._hold.pause()
+        self._drawer.wake()
 
     def resume(self) -> None:
         """Let the run go on."""
-        self._may_run.set()
-        self._page.panel.show_paused(False)
+        self._hold.resume()
+        self._drawer.wake()
 
     def hold_open(self) -> None:
         """Keep the page alive until Ctrl-C or `close`."""
@@ -130,7 +133,7 @@ class Dashboard:
         if self._closed.is_set():
             return
         self._closed.set()
-        self._may_run.set()
+        self._hold.resume()
         self._drawer.close()
         self._server.close()
 
@@ -144,13 +147,6 @@ class Dashboard:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-
-    def _toggle_pause(self) -> bool:
-        if self.paused:
-            self._may_run.set()
-        else:
-            self._may_run.clear()
-        return self.paused
 
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()
@@ -168,6 +164,7 @@ class Dashboard:
                 tuple(self._trail),
                 self._images,
                 self._training,
+                self._hold.paused,
             )
 
     def _draw_latest(self) -> None:
@@ -176,4 +173,6 @@ class Dashboard:
         moment = self._latest()
         if moment is not None:
             self._page.draw(moment)
-            self._page.panel.show_trouble("")
+
+    def _show_trouble(self, failure: str) -> None:
+        self._page.show_trouble(failure)

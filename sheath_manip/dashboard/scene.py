@@ -8,6 +8,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import SceneGeom
 
@@ -23,14 +25,19 @@ VIEW_MARGIN = 1.15
 class SceneView:
     """Shows one scene and follows its bodies."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
-        self._server = server
+    def __init__(self, desk: Desk) -> None:
+        self._server = desk.viser
         self._root: viser.FrameHandle | None = None
         self._geoms: tuple[SceneGeom, ...] = ()
         self._frames: dict[int, viser.FrameHandle] = {}
         self._shown = np.zeros((0, 7))
         # Once only: afterwards the camera is where the person wants it.
         self._aimed = False
+
+    def draw(self, moment: Moment) -> None:
+        """Show the moment's scene as it stands."""
+        self.build(moment.scene, moment.body_poses)
+        self.move(moment.body_poses)
 
     def build(self, scene: Sequence[SceneGeom], body_poses: NDArray[np.float64]) -> None:
         """Show `scene` in place of the one before, or keep that where the two are equal.

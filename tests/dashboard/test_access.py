@@ -16,6 +16,7 @@ from websockets.typing import Origin, Subprotocol
 
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.access import AccessControl
+from sheath_manip.dashboard.parts.pause import PauseButton
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.exceptions import ParameterError, SetupError
 from tests.waiting import DEADLINE_S, eventually
@@ -139,7 +140,7 @@ def test_share_is_refused(
         connection.recv(timeout=DEADLINE_S)
         connection.send(msgspec.msgpack.encode({"type": "ShareUrlRequest"}))
         # Messages are handled in their order, so once this one is, so was the one before.
-        button = dashboard._page.panel._pause
+        button = dashboard._page.part(PauseButton)._button
         click = {"type": "GuiUpdateMessage", "uuid": button._impl.uuid, "updates": {"value": True}}
         connection.send(msgspec.msgpack.encode(click))
         assert eventually(lambda: button.value)

@@ -9,6 +9,10 @@ import pytest
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.dashboard import Dashboard, replay
 from sheath_manip.dashboard.drawer import Drawer
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.parts.counts import Counts
+from sheath_manip.dashboard.parts.score_plot import ScorePlot
+from sheath_manip.dashboard.parts.trouble import Trouble
 from sheath_manip.dashboard.tally import Tally
 from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
@@ -154,7 +158,7 @@ def test_failed_drawing_marks_the_page_and_not_the_run(
     def fail(_: object) -> None:
         raise ValueError("no <ink>")
 
-    trouble = dashboard._page.panel._trouble
+    trouble = dashboard._page.part(Trouble)._box
     monkeypatch.setattr(type(dashboard._page), "watched", True)
     with monkeypatch.context() as broken:
         broken.setattr(dashboard._page, "draw", fail)
@@ -212,26 +216,31 @@ def test_tally_counts_interventions_and_outcomes(episode: Episode) -> None:
     assert len(tally.scores) == len(expert)
 
 
+def moment_of(tally: Tally) -> Moment:
+    assert tally.figures is not None
+    return Moment((), np.zeros((0, 7)), tally.figures, tuple(tally.scores), (), {}, None, False)
+
+
 def test_limited_commands_are_told_and_counted(dashboard: Dashboard, episode: Episode) -> None:
     tally = Tally()
     tally.start(episode.info)
-    panel = dashboard._page.panel
-    assert tally.figures is not None
-    panel.show_figures(tally.figures)
-    assert not panel._limited.visible
+    counts = dashboard._page.part(Counts)
+    counts.draw(moment_of(tally))
+    assert not counts._limited.visible
     limited = (Limited("<b>speed</b>", 0.25), Limited("workspace", 0.5))
     for number, step in enumerate(episode.steps[:8]):
         tally.step(replace(step, limited=limited if number % 4 == 3 else ()))
+    assert tally.figures is not None
     assert tally.figures.episode.limited_share == tally.figures.series.limited_share == 0.25
     assert [scored.limited for scored in tally.scores] == [0, 0, 0, 1] * 2
-    panel.show_figures(tally.figures)
-    panel.show_scores(tally.scores)
-    assert panel._limited.visible
-    assert "&lt;b&gt;speed&lt;/b&gt; 25% · workspace 50%" in panel._limited.content
-    assert "25% of this episode" in panel._limited.content
+    counts.draw(moment_of(tally))
+    dashboard._page.part(ScorePlot).draw(moment_of(tally))
+    assert counts._limited.visible
+    assert "&lt;b&gt;speed&lt;/b&gt; 25% · workspace 50%" in counts._limited.content
+    assert "25% of this episode" in counts._limited.content
     tally.step(episode.steps[8])
-    panel.show_figures(tally.figures)
-    assert "not now" in panel._limited.content
+    counts.draw(moment_of(tally))
+    assert "not now" in counts._limited.content
 
 
 def test_demonstration_is_no_intervention(episode: Episode) -> None:

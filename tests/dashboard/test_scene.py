@@ -1,8 +1,14 @@
 import numpy as np
 
 from sheath_manip.dashboard import Dashboard
+from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import FIELD_OF_VIEW_RAD, SceneView
 from sheath_manip.protocols import Environment
+from tests.dashboard.conftest import SPEC
+
+
+def desk_of(dashboard: Dashboard) -> Desk:
+    return Desk(dashboard._server.viser, SPEC, lambda: None)
 
 
 def test_camera_sees_all_that_stands_on_the_ground(
@@ -11,7 +17,7 @@ def test_camera_sees_all_that_stands_on_the_ground(
     server = dashboard._server.viser
     environment.reset(0)
     poses = environment.body_poses()
-    SceneView(server).build(environment.scene(), poses)
+    SceneView(desk_of(dashboard)).build(environment.scene(), poses)
     camera = server.initial_camera
     forward = camera.look_at - camera.position
     forward /= np.linalg.norm(forward)
@@ -25,7 +31,7 @@ def test_camera_sees_all_that_stands_on_the_ground(
 
 
 def test_camera_is_aimed_once(dashboard: Dashboard, environment: Environment) -> None:
-    view = SceneView(dashboard._server.viser)
+    view = SceneView(desk_of(dashboard))
     view.build(environment.scene(), environment.body_poses())
     aimed = dashboard._server.viser.initial_camera.position
     shown = view.shown

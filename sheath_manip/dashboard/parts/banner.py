@@ -1,0 +1,40 @@
+"""Who acts and why, in large letters."""
+
+from html import escape
+
+import numpy as np
+
+from sheath_manip.dashboard import palette
+from sheath_manip.dashboard.markup import BOX
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
+from sheath_manip.types import GateDecision, Outcome
+
+
+class Banner:
+    """Who acts, for which reason, at which score; or how the episode ended."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._box = desk.viser.gui.add_html(_banner(None, None))
+
+    def draw(self, moment: Moment) -> None:
+        """Show the latest decision."""
+        self._box.content = _banner(moment.figures.decision, moment.figures.outcome)
+
+
+def _banner(decision: GateDecision | None, outcome: Outcome | None) -> str:
+    if decision is None:
+        colour, title, below = palette.GREY, "Waiting", "for the first step"
+    else:
+        colour, title = palette.ACTOR[decision.actor], f"{decision.actor.value.capitalize()} acts"
+        below = decision.reason.value
+        if np.isfinite(decision.score):
+            below += f" · score {decision.score:+.3f}"
+        if np.isfinite(decision.threshold):
+            below += f" · threshold {decision.threshold:+.3f}"
+    if outcome is not None:
+        colour, title, below = palette.OUTCOME[outcome], outcome.value.capitalize(), "episode over"
+    return (
+        f'<div style="{BOX};background:{palette.css(colour)}">'
+        f'<div style="font-size:1.7em;font-weight:700">{escape(title)}</div>{escape(below)}</div>'
+    )
