@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.support.plane import BANDWIDTH_FACTOR
 from sheath_manip.types import Observation, TaskSpec
 
 MOST_STATES = 4000
@@ -19,6 +20,8 @@ class Chart(Protocol):
 
     title: str
     """what the two axes are"""
+    bandwidth_factor: float
+    """c of the kernel that the support is drawn with, in median squared distances"""
 
     def fit(self, states: Samples) -> NDArray[np.float64]:
         """(n, 2) the places of the training `states`."""
@@ -31,6 +34,8 @@ class Chart(Protocol):
 
 class PlaneChart:
     """Two features, in metres."""
+
+    bandwidth_factor = BANDWIDTH_FACTOR
 
     def __init__(self, spec: TaskSpec) -> None:
         """ParameterError where the task has no plane."""
@@ -55,7 +60,9 @@ class ProjectionChart:
     The features are scaled to variance 1 first, and those that never change are left out.
     """
 
-    title = "projected to the two widest directions of the training states' features"
+    title = "features, projected to their two widest directions"
+    # A cloud, which needs none of the sharpness of a road's edge.
+    bandwidth_factor = 0.1
 
     def fit(self, states: Samples) -> NDArray[np.float64]:
         """(n, 2) places."""

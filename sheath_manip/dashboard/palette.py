@@ -25,6 +25,15 @@ INK: Rgb = (34, 39, 46)
 GREY: Rgb = (110, 116, 124)
 
 
+def linear(rgb: Rgb) -> Rgb:
+    """`rgb` as viser's lines want it: as linear light (IEC 61966-2-1)."""
+    red, green, blue = (
+        round(255 * (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4))
+        for c in (channel / 255 for channel in rgb)
+    )
+    return red, green, blue
+
+
 def turn(by_expert: bool, reason: Reason) -> Rgb:
     """The colour of a step: who acted, and of the expert's why."""
     if not by_expert:

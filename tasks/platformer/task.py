@@ -107,7 +107,7 @@ class PlatformerTask(SheathTask):
             feature_names=feature_names(),
             max_steps=round(TIME_LIMIT_S * CONTROL_RATE_HZ),
             metric="distance_tiles",
-            first_view=FirstView(9.0, azimuth_deg=90.0, elevation_deg=12.0, follows=True),
+            first_view=FirstView(11.0, azimuth_deg=90.0, elevation_deg=12.0, follows=True),
         )
 
     @property

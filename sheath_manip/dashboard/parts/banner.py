@@ -31,10 +31,9 @@ def _banner(decision: GateDecision | None, outcome: Outcome | None) -> str:
         colour = palette.turn(decision.actor is Actor.EXPERT, decision.reason)
         title = f"{decision.actor.value.capitalize()} acts"
         below = decision.reason.value
-        if np.isfinite(decision.score):
-            below += f" · score {decision.score:+.3f}"
-        if np.isfinite(decision.threshold):
-            below += f" · threshold {decision.threshold:+.3f}"
+        if np.isfinite(decision.score) and np.isfinite(decision.threshold):
+            sign = "≥" if decision.score >= decision.threshold else "<"
+            below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
     if outcome is not None:
         colour, title, below = palette.OUTCOME[outcome], outcome.value.capitalize(), "episode over"
     return (

@@ -39,7 +39,9 @@ class SupportMap:
         """Draw the trail on what stays as it is."""
         if moment.training is not self._training and moment.training is not None:
             self._positions = self._chart.fit(moment.training)
-            self._levels = plane_levels(self._positions)
+            self._levels = plane_levels(
+                self._positions, bandwidth_factor=self._chart.bandwidth_factor
+            )
             self._training = moment.training
             self._track_of = None
         if self._picture_of[0] is not moment.scene or self._picture_of[1] is not self._training:

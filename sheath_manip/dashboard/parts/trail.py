@@ -10,6 +10,8 @@ from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
 from sheath_manip.types import Actor
 
+ACTORS = (Actor.EXPERT, Actor.POLICY)
+
 TRAIL_STEPS = 400
 """the latest"""
 THICKNESS_PX = 3.0
@@ -54,9 +56,8 @@ class Trail:
         drawable = len(way) > 1 and bool(np.isfinite(way).all())
         if drawable:
             by_expert = shown.by_expert[first + 1 :]
-            colours = np.where(
-                by_expert[:, None], palette.ACTOR[Actor.EXPERT], palette.ACTOR[Actor.POLICY]
-            )
+            expert, policy = (palette.linear(palette.ACTOR[actor]) for actor in ACTORS)
+            colours = np.where(by_expert[:, None], expert, policy)
             _set_line(self._line, np.stack([way[:-1], way[1:]], 1), colours.astype(np.uint8))
         self._line.visible = drawable
         contacts = moment.pose.contacts_m
