@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.cockpit.given import EMPTY, Given, SixAxes
+from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
 from sheath_manip.cockpit.orders import Order, clamped_speed
 from sheath_manip.types import Outcome
@@ -88,9 +89,22 @@ class Cockpit:
     """
 
     def __init__(
-        self, operated: bool = False, clock: Callable[[], float] = time.monotonic
+        self,
+        guide: tuple[Binding, ...] = (),
+        clock: Callable[[], float] = time.monotonic,
+        paced: bool = False,
     ) -> None:
-        """`operated`: a person may drive; else it is for pausing and pacing alone."""
+        """Begin with a run that goes on, at the task's own pace.
+
+        Args:
+            guide: the keys by which a person drives; without any the run may only be held.
+            clock: seconds that never go back.
+            paced: whether the loop keeps to `speed`.
+        """
+        self.guide = guide
+        self.paced = paced
+        self.on_change: Callable[[], None] = lambda: None
+        """called on the loop's thread where there is something new to show; returns at once"""
         self.lease = Lease(clock)
         self._clock = clock
         self._news = threading.Condition()
@@ -100,7 +114,7 @@ class Cockpit:
         self._goal: NDArray[np.float64] | None = None
         self._axes: tuple[float, SixAxes] | None = None
         self._closed = False
-        self._state = State(operated)
+        self._state = State(operated=bool(guide))
         self._steps = 0
         self._abandoned = False
         self.given = EMPTY
@@ -115,9 +129,7 @@ class Cockpit:
     @property
     def state(self) -> State:
         """As it is now."""
-        return replace(
-            self._state, stopped=self._stop.is_set(), operator=self.lease.holder
-        )
+        return replace(self._state, stopped=self._stop.is_set(), operator=self.lease.holder)
 
     @property
     def paused(self) -> bool:
@@ -220,7 +232,10 @@ class Cockpit:
 
     def give_turn(self, turn: Turn, asking: bool = False, left_s: float = 0.0) -> None:
         """Say who acts in this step, and whether the robot asks for a person."""
-        self._state = replace(self._state, turn=turn, asking=asking, left_s=left_s)
+        before = self._state
+        self._state = replace(before, turn=turn, asking=asking, left_s=left_s)
+        if (before.turn, before.asking) != (turn, asking):
+            self.on_change()
 
     def wait(self) -> None:
         """Return at once, or as soon as the run may go on."""
@@ -282,6 +297,7 @@ class Cockpit:
 
     def _change(self, **what: bool | float) -> None:
         self._state = replace(self._state, **what)  # pyright: ignore[reportArgumentType]
+        self.on_change()
 
     def _queue(self, order: Order, value: float = 1.0) -> bool:
         with self._news:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.cockpit.cockpit import Cockpit, Turn
 from sheath_manip.cockpit.given import Given
+from sheath_manip.cockpit.guide import Binding
 from sheath_manip.protocols import Expert, Follows, TakesOver
 from sheath_manip.types import Action, Observation
 
@@ -14,8 +15,14 @@ from sheath_manip.types import Action, Observation
 class Hands(Protocol):
     """Turns what a person's devices say into the actions of one task."""
 
-    def begin(self) -> None:
-        """The person's turn begins: start from where the robot is."""
+    @property
+    def guide(self) -> tuple[Binding, ...]:
+        """Which keys it knows."""
+        ...
+
+    @property
+    def dead_man(self) -> bool:
+        """Whether the robot holds while no device is held; else to hold none is an action."""
         ...
 
     def action(self, given: Given) -> Action:
@@ -63,8 +70,6 @@ class OperatedExpert:
         before, self._turn = self._turn, self.cockpit.turn
         begins = self._turn is not before
         if self._turn is Turn.PERSON:
-            if begins:
-                self.hands.begin()
             return self.hands.action(self.cockpit.given)
         expert = self.hold if self._turn is Turn.HOLD else self.fallback
         if begins and isinstance(expert, TakesOver):

@@ -11,8 +11,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
-from sheath_manip.dashboard.hold import Hold
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.page import Page
@@ -32,9 +32,6 @@ class Dashboard:
 
     The control loop is held up only while the person has paused it. Nothing is drawn while nobody
     looks.
-
-    Raises:
-        SetupError: the port is taken.
     """
 
     def __init__(
@@ -43,12 +40,18 @@ class Dashboard:
         host: str = "127.0.0.1",
         port: int = 8080,
         token: str | None = None,
+        cockpit: Cockpit | None = None,
     ) -> None:
+        """Open the page; `cockpit` is where a person's orders go, by default one to hold the run.
+
+        Raises SetupError (the port is taken) and ParameterError (a short token).
+        """
         self._plane = [spec.feature_names.index(name) for name in spec.plane or ()]
-        self._server = GuardedServer.open(host, port, token, label=f"sheath · {spec.name}")
-        self._hold = Hold()
+        self.cockpit = cockpit or Cockpit()
+        label = f"sheath · {spec.name}"
+        self._server = GuardedServer.open(host, port, token, label, self.cockpit)
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
-        self._page = Page(Desk(self._server.viser, spec, self._drawer.wake), live(self._hold))
+        self._page = Page(Desk(self._server.viser, spec, self._drawer.wake), live(self.cockpit))
 
         self._lock = threading.Lock()
         self._tally = Tally()
@@ -60,6 +63,7 @@ class Dashboard:
 
         self._closed = threading.Event()
         self._server.viser.on_client_connect(self._greet)
+        self.cockpit.on_change = self._drawer.wake
 
     @property
     def address(self) -> str:
@@ -69,7 +73,7 @@ class Dashboard:
     @property
     def paused(self) -> bool:
         """Whether the person holds the run."""
-        return self._hold.paused
+        return self.cockpit.paused
 
     def show_training(self, positions: NDArray) -> None:
         """Show where the policy was fitted: (n, 2) metres in `TaskSpec.plane`."""
@@ -105,7 +109,7 @@ class Dashboard:
                 x, y = step.observation.features[self._plane]
                 self._trail.append((float(x), float(y), step.decision.actor))
         self._drawer.wake()
-        self._hold.wait()
+        self.cockpit.wait()
 
     def on_end(self, episode: Episode) -> None:
         """Show how the episode ended."""
@@ -115,12 +119,12 @@ class Dashboard:
 
     def pause(self) -> None:
         """Hold the run at its next step, as the page's button does."""
-        self._hold.pause()
+        self.cockpit.pause()
         self._drawer.wake()
 
     def resume(self) -> None:
         """Let the run go on."""
-        self._hold.resume()
+        self.cockpit.resume()
         self._drawer.wake()
 
     def hold_open(self) -> None:
@@ -133,7 +137,7 @@ class Dashboard:
         if self._closed.is_set():
             return
         self._closed.set()
-        self._hold.resume()
+        self.cockpit.close()
         self._drawer.close()
         self._server.close()
 
@@ -164,7 +168,7 @@ class Dashboard:
                 tuple(self._trail),
                 self._images,
                 self._training,
-                self._hold.paused,
+                self.cockpit.paused,
             )
 
     def _draw_latest(self) -> None:

@@ -7,10 +7,12 @@ import pytest
 
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
 from sheath_manip.cockpit.cockpit import MOST_ORDERS, Ending
+from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
 from sheath_manip.types import Outcome
 
+GUIDE = (Binding(("KeyI",), "on"),)
 KEYS = Given(keys=frozenset({"KeyI"}))
 
 
@@ -29,7 +31,7 @@ def clock() -> Clock:
 
 @pytest.fixture
 def cockpit(clock) -> Cockpit:
-    return Cockpit(operated=True, clock=clock)
+    return Cockpit(GUIDE, clock)
 
 
 def test_one_drives_and_others_watch(cockpit):
