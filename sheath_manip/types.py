@@ -38,6 +38,14 @@ class Reason(StrEnum):
     """the score is missing or not a number: as outside"""
     INVALID_PROPOSAL = "invalid proposal"
     """the policy proposed an action that is no action: the expert acts"""
+    WAITING = "waiting for person"
+    """the robot holds until a person takes over, or the wait is over"""
+    IDLE = "person idle"
+    """a person has taken over and holds no device: the robot holds"""
+    NO_ANSWER = "nobody answered"
+    """the wait for a person is over: whoever stands in for it acts"""
+    EMERGENCY_STOP = "emergency stop"
+    """somebody stopped the robot, and nobody has reset it yet"""
 
 
 class Outcome(StrEnum):
@@ -185,13 +193,21 @@ class Step:
     proposed: Action | None
     """what the policy wanted"""
     labelled: Action | None
-    """what the expert would do, where it was asked"""
+    """what the expert would do, where it was asked or acted"""
     decision: GateDecision
     executed: Action
     """what was commanded: the action of who acts, after the command filter where there is one"""
     reward: float
     limited: tuple[Limited, ...] = ()
     """the limits of the command filter that acted, sorted by name"""
+
+    @property
+    def label(self) -> Action | None:
+        """What to learn from: the expert's answer where a label was asked for.
+
+        Who only holds the robot in an expert's place acts, and teaches nothing.
+        """
+        return self.labelled if self.decision.query else None
 
     @property
     def wished(self) -> Action:

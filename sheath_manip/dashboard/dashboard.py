@@ -7,11 +7,12 @@ from typing import Self
 
 import viser
 
+from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.film import Film
-from sheath_manip.dashboard.hold import Hold
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.playhead import Playhead
@@ -29,9 +30,6 @@ class Dashboard:
 
     The control loop is held up only while the person has paused it. Nothing is drawn while nobody
     looks.
-
-    Raises:
-        SetupError: the port is taken.
     """
 
     def __init__(
@@ -40,21 +38,26 @@ class Dashboard:
         host: str = "127.0.0.1",
         port: int = 8080,
         token: str | None = None,
+        cockpit: Cockpit | None = None,
     ) -> None:
-        self._server = GuardedServer.open(host, port, token, label=f"sheath · {spec.name}")
-        self._hold = Hold()
+        """Open the page; `cockpit` is where a person's orders go, by default one to hold the run.
+
+        Raises SetupError (the port is taken) and ParameterError (a short token).
+        """
+        self.cockpit = cockpit or Cockpit()
+        label = f"sheath · {spec.name}"
+        self._server = GuardedServer.open(host, port, token, label, self.cockpit)
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
-        self._page = Page(
-            Desk(self._server.viser, spec, self._drawer.wake),
-            live(spec, self._hold, self._playhead),
-        )
+        desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
+        self._page = Page(desk, live(spec, self.cockpit, self._playhead))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
         self._training: Samples | None = None
         self._server.viser.on_client_connect(self._greet)
+        self.cockpit.on_change = self._drawer.wake
 
     @property
     def address(self) -> str:
@@ -64,7 +67,7 @@ class Dashboard:
     @property
     def paused(self) -> bool:
         """Whether the person holds the run."""
-        return self._hold.paused
+        return self.cockpit.paused
 
     def on_fit(self, states: Samples) -> None:
         """Show where policy and support were fitted."""
@@ -81,7 +84,7 @@ class Dashboard:
         assert self._film is not None, "on_start comes before on_step"
         self._film.append(step, environment.pose())
         self._drawer.wake()
-        self._hold.wait()
+        self.cockpit.wait()
 
     def on_end(self, episode: Episode) -> None:
         """Show how the episode ended."""
@@ -94,12 +97,12 @@ class Dashboard:
 
     def pause(self) -> None:
         """Hold the run at its next step, as the page's button does."""
-        self._hold.pause()
+        self.cockpit.pause()
         self._drawer.wake()
 
     def resume(self) -> None:
         """Let the run go on."""
-        self._hold.resume()
+        self.cockpit.resume()
         self._drawer.wake()
 
     def hold_open(self) -> None:
@@ -112,7 +115,7 @@ class Dashboard:
         if self._closed.is_set():
             return
         self._closed.set()
-        self._hold.resume()
+        self.cockpit.close()
         self._drawer.close()
         self._server.close()
 
@@ -126,6 +129,14 @@ class Dashboard:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _allows(self, client_id: int | None) -> bool:
+        """Whether that browser may change what the run does: while somebody drives only that one.
+
+        Who sets an element by program has no browser, and may.
+        """
+        holder = self.cockpit.lease.holder
+        return client_id is None or holder in (None, station_of(client_id))
 
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()
@@ -154,7 +165,7 @@ class Dashboard:
             series=series,
             outcomes=outcomes,
             training=self._training,
-            paused=self._hold.paused,
+            paused=self.cockpit.paused,
             present=present,
         )
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.header import GROUP_FILE
-from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.layout import has_label, layout
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
@@ -95,13 +95,13 @@ def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None
 
 def _labelled(reader: EpisodeReader, name: str) -> NDArray[np.bool_]:
     specs = {spec.path: spec for spec in layout(reader.header(name))}
-    return reader.array(name, specs["has_labelled"])
+    return has_label({path: reader.array(name, specs[path]) for path in ("has_labelled", "query")})
 
 
 def _rows(recorded: Recorded, number: int) -> dict[str, NDArray]:
     """The labelled states of one episode, by the name of their file."""
     arrays = recorded.arrays
-    has = arrays["has_labelled"]
+    has = has_label(arrays)
     return {
         **{
             f"{_IMAGE_PREFIX}{camera}": arrays[f"images/{camera}"][has]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.layout import has_label, layout
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
@@ -45,9 +45,10 @@ class Selection:
         """(T,) which steps to take."""
         taken = np.ones(recorded.header.length, dtype=bool)
         if self.expert_steps:
-            taken &= by_expert(recorded)
+            # Who only holds the robot in the expert's place is none.
+            taken &= by_expert(recorded) & recorded.arrays["query"]
         if self.action is ActionChoice.LABELLED:
-            taken &= recorded.arrays["has_labelled"]
+            taken &= has_label(recorded.arrays)
         return taken
 
 
