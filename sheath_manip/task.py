@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.claims import Claim
+from sheath_manip.cockpit.expert import Hands
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Probes
@@ -32,6 +33,8 @@ class TaskEntry:
     stand_ins: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
     """by name, from the environment: who acts in the expert's place where there is none, such as
     `hold`"""
+    hands: Callable[[Any], Hands] | None = None
+    """from the environment: how a person's devices drive it; None where nobody can"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
     """by name, from the seed of a training run: all its episodes belong to one scene of the run's
     own, such as one stage, and their seeds choose what else may differ"""

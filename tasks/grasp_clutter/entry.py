@@ -4,6 +4,7 @@ from functools import partial
 
 from controllers.back_up import BackUp
 from controllers.hold import Hold
+from controllers.teleop.arm import ArmHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
@@ -37,6 +38,11 @@ def back_up(environment: ComposerEnvironment) -> BackUp:
     return stand_ins.back_up(drive_of(environment), CONTROL_TIMESTEP_S)
 
 
+def hands(environment: ComposerEnvironment) -> ArmHands:
+    """A person's."""
+    return stand_ins.hands(drive_of(environment))
+
+
 GRASP_CLUTTER = TaskEntry(
     name="grasp-clutter",
     summary="reach through standing clutter, grasp the red target and lift it",
@@ -48,6 +54,7 @@ GRASP_CLUTTER = TaskEntry(
         "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },
     expert=GraspExpert,
+    hands=hands,
     stand_ins={"hold": hold, "back-up": back_up},
     plans={
         "full": LearningPlan(),
