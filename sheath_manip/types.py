@@ -304,6 +304,16 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
+class Line:
+    """A line that moves and grows, as it is at one moment."""
+
+    points_m: NDArray[np.float32]
+    """(k, 3) in the world frame; fewer than two are nothing"""
+    rgb: tuple[float, float, float]
+    """each 0..1"""
+
+
+@dataclass(frozen=True, eq=False)
 class ScenePose:
     """How a scene stands at one moment, in the world frame."""
 
@@ -315,3 +325,5 @@ class ScenePose:
     """(c, 3) where bodies touch"""
     surfaces: tuple[Surface, ...] = ()
     """always as many"""
+    lines: tuple[Line, ...] = ()
+    """always as many: what is drawn on surfaces, such as a target and what is done of it"""

@@ -11,6 +11,7 @@ from sheath_manip.dashboard.parts.controls import Controls
 from sheath_manip.dashboard.parts.counts import Counts
 from sheath_manip.dashboard.parts.follow import FollowBox
 from sheath_manip.dashboard.parts.interventions import Interventions
+from sheath_manip.dashboard.parts.lines import Lines
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.dashboard.parts.surfaces import Surfaces
@@ -30,6 +31,7 @@ def live(spec: TaskSpec, cockpit: Cockpit, playhead: Playhead) -> Layout:
         world=(
             partial(SceneView, following=following),
             Surfaces,
+            Lines,
             Trail,
             Cameras,
             partial(ToolGizmo, cockpit=cockpit),

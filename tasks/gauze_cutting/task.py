@@ -10,9 +10,10 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import ActionSpec, Commanded, Outcome, TaskSpec
+from sheath_manip.types import ActionSpec, Commanded, FirstView, Line, Outcome, Surface, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.gauze_cutting.bench import BenchArena
+from tasks.gauze_cutting.drawn import lines_of, surface_of
 from tasks.gauze_cutting.geometry import CENTRE_M, RADIUS_M
 from tasks.gauze_cutting.knife import Knife
 from tasks.gauze_cutting.measures import overlap, path_measures
@@ -113,6 +114,7 @@ class GauzeTask(SheathTask):
             max_steps=max_steps,
             metric="iou",
             plane=("tool_x_m", "tool_y_m"),
+            first_view=FirstView(0.13, azimuth_deg=145.0, elevation_deg=40.0),
         )
 
     @property
@@ -293,6 +295,18 @@ class GauzeTask(SheathTask):
         self.knife.recall(memory[end:])
         if self._tally.freed:
             self.workpiece.let_go()
+
+    def tool_m(self, physics: mjcf.Physics) -> NDArray[np.float64]:
+        """(3,) the blade's tip."""
+        return physics.data.ptr.site_xpos[self._tip].copy()
+
+    def surfaces(self, physics: mjcf.Physics) -> tuple[Surface, ...]:  # noqa: ARG002
+        """The sheet, with its cut."""
+        return (surface_of(self.workpiece.sheet, self.workpiece.lie()),)
+
+    def lines(self, physics: mjcf.Physics) -> tuple[Line, ...]:  # noqa: ARG002
+        """The circle on the sheet, and the way of the blade so far."""
+        return lines_of(self.workpiece.lie(), self.knife.path_m)
 
     def commanded(self) -> Commanded | None:
         """What the command filter made of the last action."""
