@@ -37,5 +37,6 @@ def lines_of(lie: Lie, path_m: NDArray) -> tuple[Line, Line]:
 
 def _lifted(lie: Lie, material_m: NDArray) -> NDArray[np.float32]:
     """(k, 3) of (k, 2) points of the sheet, in the world."""
-    places = np.array([lie.of(point).world_m for point in material_m])
-    return (places + [0.0, 0.0, _ABOVE_M]).astype(np.float32)
+    places = lie.positions_of(material_m)
+    places[:, 2] += _ABOVE_M
+    return places.astype(np.float32)

@@ -232,7 +232,10 @@ def test_places_are_found_in_the_deformed_sheet():
     mujoco.mj_step(model, data, 30)
     mujoco.mj_kinematics(model, data)
     lie = lie_of(sheet, data)
-    for point in np.random.default_rng(0).uniform(-0.02, 0.02, (20, 2)):
+    points = np.random.default_rng(0).uniform(-0.02, 0.02, (20, 2))
+    each = [lie.of(point).world_m for point in points]
+    np.testing.assert_allclose(lie.positions_of(points), each, atol=1e-12)
+    for point in points:
         there = lie.of(point)
         assert there.inside
         back = lie.below(there.world_m[:2], point, 0.02)
