@@ -10,6 +10,7 @@ from torch.nn import functional
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.augmentation import shifted
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
@@ -39,6 +40,8 @@ class SpatialPolicy:
         warm_learning_rate: float = 5e-4,
         batch_size: int = 128,
         weight_decay: float = 1e-4,
+        shift_px: int = 2,
+        feature_noise: float = 0.3,
         seed: int = 0,
     ) -> None:
         """Store the hyperparameters; ParameterError where the task has no camera.
@@ -53,6 +56,11 @@ class SpatialPolicy:
             warm_learning_rate: likewise in a warm one.
             batch_size: states a gradient step.
             weight_decay: decoupled (AdamW).
+            shift_px: most pixels by which an image is moved at random in training, each camera's
+                by itself.
+            feature_noise: standard deviation of what is added to each feature in training, as a
+                share of its own. Without it a policy learns from clean demonstrations that a
+                gripper which has begun to close goes on closing, wherever it is.
             seed: of the initial weights and of the order of the batches.
         """
         self.spec = spec
@@ -64,6 +72,8 @@ class SpatialPolicy:
         self.warm_learning_rate = warm_learning_rate
         self.batch_size = batch_size
         self.weight_decay = weight_decay
+        self.shift_px = shift_px
+        self.feature_noise = feature_noise
         self.seed = seed
         if not spec.cameras:
             raise ParameterError(f"task {spec.name!r} has no camera; an image policy needs one")
@@ -119,10 +129,15 @@ class SpatialPolicy:
             batch, order = order[: self.batch_size], order[self.batch_size :]
             for group in optimiser.param_groups:
                 group["lr"] = rate * (1 - step / steps)
-            images = {name: torch.from_numpy(samples.images[name][batch]) for name in network.eyes}
+            images = {
+                name: torch.from_numpy(shifted(samples.images[name][batch], self.shift_px, rng))
+                for name in network.eyes
+            }
+            noise = rng.standard_normal(features[batch].shape, np.float32)
+            felt = torch.from_numpy(features[batch] + self.feature_noise * noise)
             # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
             with torch.autocast("cpu", torch.bfloat16):
-                outputs = network(images, torch.from_numpy(features[batch]), torch.bfloat16)
+                outputs = network(images, felt, torch.bfloat16)
             loss = functional.mse_loss(outputs.float(), torch.from_numpy(targets[batch]))
             optimiser.zero_grad()
             loss.backward()
