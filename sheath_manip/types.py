@@ -95,6 +95,16 @@ class ActionSpec:
 
 
 @dataclass(frozen=True)
+class Mirror:
+    """A reflection after which the task is what it was, with every camera's image flipped."""
+
+    features: tuple[float, ...]
+    """(f,) 1 or -1: the sign that each feature takes on"""
+    action: tuple[float, ...]
+    """(a,) likewise of each dimension of an action"""
+
+
+@dataclass(frozen=True)
 class TaskSpec:
     """What the core is told about a task."""
 
@@ -111,6 +121,8 @@ class TaskSpec:
     """the entry of `Episode.metrics` by which the task is judged; more is better"""
     plane: tuple[str, str] | None = None
     """the two features that span the task's natural plane (metres), where it has one"""
+    mirror: Mirror | None = None
+    """left for right, where robot, cameras and scenes know no difference"""
 
 
 @dataclass(frozen=True, eq=False)

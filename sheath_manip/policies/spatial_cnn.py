@@ -10,7 +10,7 @@ from torch.nn import functional
 
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.augmentation import shifted
+from sheath_manip.policies.augmentation import reflected, shifted
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
@@ -23,6 +23,9 @@ INFERENCE_BATCH = 128
 
 class SpatialPolicy:
     """Least squares from the images of all cameras and the features to the expert's action.
+
+    Where the task knows no difference between left and right, half of each batch is its own mirror
+    image: twice the scenes for the same demonstrations.
 
     The first fit is cold and learns how to standardise the features; each later one continues from
     the present weights with a fresh optimiser. The same seed and the same samples in the same order
@@ -116,8 +119,6 @@ class SpatialPolicy:
         rate: float,
         rng: np.random.Generator,
     ) -> None:
-        features = self.scaling_.transform(samples.features)
-        targets = self._to_unit(samples.labels)
         optimiser = torch.optim.AdamW(
             network.parameters(), rate, weight_decay=self.weight_decay, fused=True
         )
@@ -129,16 +130,20 @@ class SpatialPolicy:
             batch, order = order[: self.batch_size], order[self.batch_size :]
             for group in optimiser.param_groups:
                 group["lr"] = rate * (1 - step / steps)
+            states = samples.take(batch)
+            if self.spec.mirror is not None:
+                states = reflected(states, self.spec.mirror, rng)
             images = {
-                name: torch.from_numpy(shifted(samples.images[name][batch], self.shift_px, rng))
+                name: torch.from_numpy(shifted(states.images[name], self.shift_px, rng))
                 for name in network.eyes
             }
-            noise = rng.standard_normal(features[batch].shape, np.float32)
-            felt = torch.from_numpy(features[batch] + self.feature_noise * noise)
+            felt = self.scaling_.transform(states.features)
+            felt += self.feature_noise * rng.standard_normal(felt.shape, np.float32)
             # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
             with torch.autocast("cpu", torch.bfloat16):
-                outputs = network(images, felt, torch.bfloat16)
-            loss = functional.mse_loss(outputs.float(), torch.from_numpy(targets[batch]))
+                outputs = network(images, torch.from_numpy(felt), torch.bfloat16)
+            targets = torch.from_numpy(self._to_unit(states.labels))
+            loss = functional.mse_loss(outputs.float(), targets)
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()
