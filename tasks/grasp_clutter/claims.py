@@ -65,7 +65,9 @@ CLAIMS = (
         "<=",
         partial(constant, 0.03),
     ),
-    Claim("SHEATH's expert share in the last round", last_expert_share, "<=", partial(constant, 0.35)),
+    Claim(
+        "SHEATH's expert share in the last round", last_expert_share, "<=", partial(constant, 0.35)
+    ),
     Claim(
         "success of SHEATH's final policy alone",
         partial(success_alone, "sheath"),

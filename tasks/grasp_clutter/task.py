@@ -282,7 +282,9 @@ class GraspTask(SheathTask):
         mirrored = self.scenario.robot.mirrored_joints
         if mirrored is None or not SYMMETRIC_CAMERAS.issuperset(self.scenario.cameras):
             return None
-        joints = [-1.0 if name in mirrored else 1.0 for name in self.scenario.robot.joint_speeds_rad_s]
+        joints = [
+            -1.0 if name in mirrored else 1.0 for name in self.scenario.robot.joint_speeds_rad_s
+        ]
         tool, gripper = (1.0, -1.0, 1.0), (1.0, 1.0)
         velocity, turn, grip = (1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0,)
         return Mirror((*joints, *tool, *gripper), (*velocity, *turn, *grip))
