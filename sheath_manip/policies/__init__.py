@@ -84,6 +84,9 @@ SPATIAL_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "image-points-whitened": lambda: _and_features(ImagePoints(Whitening())),
     "camera-convolutions": lambda: _and_features(CameraConvolutions()),
     "camera-convolutions-whitened": lambda: _and_features(CameraConvolutions(Whitening())),
+    "wrist-convolutions": lambda: _and_features(
+        CameraConvolutions(Whitening(), cameras=("wrist",))
+    ),
     "pixels-and-features": lambda: _and_features(Pixels(Whitening(), side=12)),
 }
 """of `spatial-cnn`, which looks through several cameras and at features"""
