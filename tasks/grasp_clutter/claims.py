@@ -81,3 +81,14 @@ CLAIMS = (
         partial(constant, 0),
     ),
 )
+
+RECIPE = (
+    Claim("held-out scenes", final_scenes, ">=", partial(constant, 100)),
+    Claim(
+        "success of the recipe's policy alone",
+        partial(success_alone, "cloning"),
+        ">=",
+        partial(constant, 0.93),
+    ),
+)
+"""of `results/grasp-clutter-recipe`"""
