@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 WIDTHS = 0.5
-"""grips from minus to plus this hold a width; beyond, the gripper is opened or closed for good. Else
-a regressed -0.97 would close it a little, where nobody has demonstrated what to do then"""
+"""grips from minus to plus this hold a width; beyond, the gripper is opened or closed for good. Or
+else a regressed -0.97 closes it a little, and nobody has demonstrated what to do then"""
 
 
 @dataclass(frozen=True)
