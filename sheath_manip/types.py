@@ -117,6 +117,16 @@ class FirstView:
 
 
 @dataclass(frozen=True)
+class Mirror:
+    """A reflection after which the task is what it was, with every camera's image flipped."""
+
+    features: tuple[float, ...]
+    """(f,) 1 or -1: the sign that each feature takes on"""
+    action: tuple[float, ...]
+    """(a,) likewise of each dimension of an action"""
+
+
+@dataclass(frozen=True)
 class TaskSpec:
     """What the core is told about a task."""
 
@@ -135,6 +145,8 @@ class TaskSpec:
     """the two features that span the task's natural plane (metres), where it has one"""
     first_view: FirstView | None = None
     """None: the whole scene, from above"""
+    mirror: Mirror | None = None
+    """left for right, where robot, cameras and scenes know no difference"""
 
 
 @dataclass(frozen=True, eq=False)
