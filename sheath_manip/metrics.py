@@ -54,7 +54,7 @@ def record_of(episode: Episode) -> EpisodeRecord:
         metrics=dict(episode.metrics),
         steps=len(episode),
         expert_steps=int(expert.sum()),
-        queries=sum(step.labelled is not None for step in episode.steps),
+        queries=sum(step.label is not None for step in episode.steps),
         switches=int(np.count_nonzero(np.diff(expert.astype(int)))),
         interventions=starts if has_policy else 0,
         limited_steps=sum(bool(step.limited) for step in episode.steps),

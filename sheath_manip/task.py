@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.claims import Claim
+from sheath_manip.cockpit.expert import Hands
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Probes
@@ -32,15 +33,20 @@ class TaskEntry:
     stand_ins: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
     """by name, from the environment: who acts in the expert's place where there is none, such as
     `hold`"""
+    hands: Callable[[Any], Hands] | None = None
+    """from the environment: how a person's devices drive it; None where nobody can"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
     """by name, from the seed of a training run: all its episodes belong to one scene of the run's
     own, such as one stage, and their seeds choose what else may differ"""
     figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
     """figures of this task alone, by name"""
     picture: Callable[[Any], NDArray[np.uint8]] | None = None
-    """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at"""
+    """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at, or
+    none with a picture large enough"""
     claims: Sequence[Claim] = ()
     """what is claimed of its experiment's results"""
+    plan_claims: Mapping[str, Sequence[Claim]] = field(default_factory=dict)
+    """likewise of other plans than `full`, whose results lie in NAME-PLAN"""
     probes: Probes | None = None
     """what its gates are tested with"""
 

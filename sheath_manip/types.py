@@ -38,6 +38,14 @@ class Reason(StrEnum):
     """the score is missing or not a number: as outside"""
     INVALID_PROPOSAL = "invalid proposal"
     """the policy proposed an action that is no action: the expert acts"""
+    WAITING = "waiting for person"
+    """the robot holds until a person takes over, or the wait is over"""
+    IDLE = "person idle"
+    """a person has taken over and holds no device: the robot holds"""
+    NO_ANSWER = "nobody answered"
+    """the wait for a person is over: whoever stands in for it acts"""
+    EMERGENCY_STOP = "emergency stop"
+    """somebody stopped the robot, and nobody has reset it yet"""
 
 
 class Outcome(StrEnum):
@@ -99,6 +107,30 @@ class ActionSpec:
 
 
 @dataclass(frozen=True)
+class FirstView:
+    """How viewers look at a task's tool before a person turns the view."""
+
+    radius_m: float
+    """around the tool, that is seen"""
+    azimuth_deg: float
+    """of the way in which the camera looks, from +x towards +y"""
+    elevation_deg: float
+    """above the horizon, of where the camera is"""
+    follows: bool = False
+    """whether the view goes along with the tool"""
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """A reflection after which the task is what it was, with every camera's image flipped."""
+
+    features: tuple[float, ...]
+    """(f,) 1 or -1: the sign that each feature takes on"""
+    action: tuple[float, ...]
+    """(a,) likewise of each dimension of an action"""
+
+
+@dataclass(frozen=True)
 class TaskSpec:
     """What the core is told about a task."""
 
@@ -115,6 +147,10 @@ class TaskSpec:
     """the entry of `Episode.metrics` by which the task is judged; more is better"""
     plane: tuple[str, str] | None = None
     """the two features that span the task's natural plane (metres), where it has one"""
+    first_view: FirstView | None = None
+    """None: the whole scene, from above"""
+    mirror: Mirror | None = None
+    """left for right, where robot, cameras and scenes know no difference"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,13 +209,21 @@ class Step:
     proposed: Action | None
     """what the policy wanted"""
     labelled: Action | None
-    """what the expert would do, where it was asked"""
+    """what the expert would do, where it was asked or acted"""
     decision: GateDecision
     executed: Action
     """what was commanded: the action of who acts, after the command filter where there is one"""
     reward: float
     limited: tuple[Limited, ...] = ()
     """the limits of the command filter that acted, sorted by name"""
+
+    @property
+    def label(self) -> Action | None:
+        """What to learn from: the expert's answer where a label was asked for.
+
+        Who only holds the robot in an expert's place acts, and teaches nothing.
+        """
+        return self.labelled if self.decision.query else None
 
     @property
     def wished(self) -> Action:
@@ -243,7 +287,7 @@ class SceneGeom:
     """One visible shape of the scene, fixed to a body, for viewers that know no simulator."""
 
     body: int
-    """row in the environment's `body_poses()`"""
+    """row in `ScenePose.bodies`"""
     shape: str
     """`box`, `sphere`, `capsule`, `cylinder`, `ellipsoid`, `mesh` or `picture` (textured plane)"""
     size: NDArray[np.float64]
@@ -261,3 +305,41 @@ class SceneGeom:
     """(t, 3), of a mesh"""
     picture: NDArray[np.uint8] | None = None
     """(h, w, 3) RGB, of a picture: row 0 lies at +y, column 0 at -x"""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface that deforms, as it is at one moment."""
+
+    vertices_m: NDArray[np.float32]
+    """(v, 3) in the world frame"""
+    faces: NDArray[np.int32]
+    """(t, 3); of a sheet that is cut they may differ from moment to moment"""
+    rgb: tuple[float, float, float]
+    """each 0..1"""
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line that moves and grows, as it is at one moment."""
+
+    points_m: NDArray[np.float32]
+    """(k, 3) in the world frame; fewer than two are nothing"""
+    rgb: tuple[float, float, float]
+    """each 0..1"""
+
+
+@dataclass(frozen=True, eq=False)
+class ScenePose:
+    """How a scene stands at one moment, in the world frame."""
+
+    bodies: NDArray[np.float64]
+    """(b, 7) position (m) and wxyz quaternion of every body"""
+    tool_m: NDArray[np.float64] | None = None
+    """(3,) the point whose path viewers draw: tool, car, player"""
+    contacts_m: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    """(c, 3) where bodies touch"""
+    surfaces: tuple[Surface, ...] = ()
+    """always as many"""
+    lines: tuple[Line, ...] = ()
+    """always as many: what is drawn on surfaces, such as a target and what is done of it"""

@@ -56,7 +56,7 @@ def episode_of(
         expert = actor == "e"
         decision = GateDecision(
             actor=Actor.EXPERT if expert else Actor.POLICY,
-            query=expert,
+            query=label == "x",
             reason=Reason.OUTSIDE if expert else Reason.INSIDE,
             score=-0.1 if expert else 0.1,
             threshold=0.0,

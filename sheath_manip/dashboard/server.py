@@ -11,13 +11,20 @@ from typing import Any, NoReturn
 import rich
 import viser
 import websockets.asyncio.server
-from viser._messages import ShareUrlDisconnect, ShareUrlRequest
+from viser._messages import RunJavascriptMessage, ShareUrlDisconnect, ShareUrlRequest
+from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
+from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard import operator_socket
 from sheath_manip.dashboard.access import AccessControl
+from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
+from sheath_manip.dashboard.operator_socket import OperatorSocket
 from sheath_manip.exceptions import ParameterError, SetupError
 
 MIN_TOKEN_LENGTH = 8
+LONGEST_MESSAGE = 2**16
+"""bytes that a browser may send at once; viser's own limit is 50 MB"""
 
 _serve_is_wrapped = threading.Lock()
 
@@ -30,8 +37,12 @@ class GuardedServer:
     access: AccessControl
 
     @classmethod
-    def open(cls, host: str, port: int, token: str | None, label: str) -> "GuardedServer":
+    def open(
+        cls, host: str, port: int, token: str | None, label: str, cockpit: Cockpit
+    ) -> "GuardedServer":
         """Listen on `host` and `port` (0: any free one) and build the server on top.
+
+        Each page gets the script by which a person operates `cockpit`.
 
         Raises:
             SetupError: the port is taken, or the host is not one of this machine.
@@ -44,12 +55,15 @@ class GuardedServer:
             )
         listener = _listen(host, port)
         access = AccessControl(host, listener.getsockname()[1], token or secrets.token_urlsafe(24))
+        inspection, operators = Inspection(), OperatorSocket(cockpit)
         try:
-            with _wrapped_serve(access, listener), _quiet():
+            with _wrapped_serve(access, listener, inspection, operators), _quiet():
                 server = viser.ViserServer(host=host, port=access.port, label=label, verbose=False)
         except BaseException:
             listener.close()
             raise
+        inspection.bind(server)
+        _give_script(server, operators)
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
             server._websock_server.unregister_handler(message)
@@ -77,8 +91,17 @@ def _listen(host: str, port: int) -> socket.socket:
 
 
 @contextlib.contextmanager
-def _wrapped_serve(access: AccessControl, listener: socket.socket) -> Iterator[None]:
-    """While viser starts, put `access` in front of the one server that it opens, on `listener`."""
+def _wrapped_serve(
+    access: AccessControl,
+    listener: socket.socket,
+    inspection: Inspection,
+    operators: OperatorSocket,
+) -> Iterator[None]:
+    """While viser starts, put the guards in front of the one server that it opens, on `listener`.
+
+    `access` says who comes in, `inspection` what viser hears of those, and `operators` serves the
+    page's own websocket beside viser's.
+    """
     serve: Any = websockets.asyncio.server.serve
     used = False
 
@@ -88,10 +111,18 @@ def _wrapped_serve(access: AccessControl, listener: socket.socket) -> Iterator[N
         nonlocal used
         used = True
 
+        async def route(connection: ServerConnection) -> None:
+            request = connection.request
+            if request is not None and request.path == operator_socket.PATH:
+                await operators.serve(connection)
+            else:
+                await handler(InspectedConnection(connection, inspection))
+
         def check_first(connection: Any, request: Request) -> Response | None:
             return access.answer(request) or process_request(connection, request)
 
-        return serve(handler, sock=listener, process_request=check_first, **options)
+        options["max_size"] = LONGEST_MESSAGE
+        return serve(route, sock=listener, process_request=check_first, **options)
 
     with _serve_is_wrapped:
         websockets.asyncio.server.serve = guarded_serve  # type: ignore[misc, assignment]
@@ -120,3 +151,14 @@ def _refuse_share(verbose: bool = True) -> NoReturn:  # noqa: ARG001 - viser's s
     raise SetupError(
         "the dashboard is never shared through a public tunnel; forward its port over ssh"
     )
+
+
+def _give_script(server: viser.ViserServer, operators: OperatorSocket) -> None:
+    @server.on_client_connect
+    async def _(client: viser.ClientHandle) -> None:
+        script = RunJavascriptMessage(operators.script(client.client_id))
+        client._websock_connection.queue_message(script)
+
+    @server.on_client_disconnect
+    async def _(client: viser.ClientHandle) -> None:
+        operators.forget(client.client_id)

@@ -7,11 +7,11 @@
 | `time_s` | (T,) float64 | before the action |
 | `state` | (T, s) float64 | simulator state before the action |
 | `proposed` | (T, a) float32 | by the policy; NaN where `has_proposed` is false |
-| `labelled` | (T, a) float32 | by the expert; NaN where `has_labelled` is false |
+| `labelled` | (T, a) float32 | by who acts as the expert; NaN where `has_labelled` is false |
 | `executed` | (T, a) float32 | what was commanded, after the command filter where there is one |
 | `actor`, `reason` | (T,) uint8 | place in the attributes `actors`, `reasons` |
 | `intervention` | (T,) bool | the expert acts in an episode that a policy was to drive |
-| `query` | (T,) bool | the gate asked for a label |
+| `query` | (T,) bool | the gate asked for a label; only there `labelled` is one to learn from |
 | `score`, `threshold` | (T,) float64 | of the support; NaN where the gate has none |
 | `reward` | (T,) float64 | of the executed action |
 | `limited` | (T, l) float64 | by how much each limit changed the command; NaN where it did not |
@@ -20,6 +20,8 @@
 The columns of `limited` are the attribute `limits`; where no limit acted in the whole episode there
 is neither.
 
+Who only holds the robot in an expert's place acts as the expert without a query: no label.
+
 A policy was to drive an episode if it proposed an action in any step, or if the episode names the
 checkpoint that drove it; a plain demonstration therefore has no intervention.
 """
@@ -27,6 +29,7 @@ checkpoint that drove it; a plain demonstration therefore has no intervention.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.header import Header
@@ -76,3 +79,8 @@ def layout(header: Header) -> list[ArraySpec]:
         *(ArraySpec(name, (header.length, *shape), dtype) for name, shape, dtype in step),
         *(ArraySpec(f"final/{name}", shape, dtype) for name, shape, dtype in observation),
     ]
+
+
+def has_label(arrays: Arrays) -> NDArray[np.bool_]:
+    """(T,) which steps have a label to learn from."""
+    return arrays["has_labelled"] & arrays["query"]

@@ -48,7 +48,7 @@ class Samples:
 
 def samples_from(episodes: Iterable[Episode]) -> Samples:
     """All labelled states of `episodes`; raises ParameterError where there is none."""
-    steps = [(number, step) for number, step in _numbered(episodes) if step.labelled is not None]
+    steps = [(number, step) for number, step in _numbered(episodes) if step.label is not None]
     if not steps:
         raise ParameterError(
             "no labelled state to train on; record episodes whose gate asks for labels"
@@ -76,7 +76,7 @@ def _samples(steps: Sequence[tuple[int, Step]]) -> Samples:
             for camera in cameras
         },
         np.stack([step.observation.features for _, step in steps]).astype(np.float32),
-        np.stack([missing if step.labelled is None else step.labelled for _, step in steps]),
+        np.stack([missing if step.label is None else step.label for _, step in steps]),
         np.array([number for number, _ in steps], dtype=np.int64),
     )
 

@@ -4,18 +4,37 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
+from controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
+from sheath_manip.types import Action
 from tasks.composer_environment import ComposerEnvironment
 from tasks.driving.claims import CLAIMS
 from tasks.driving.expert import DrivingExpert
 from tasks.driving.probes import PROBES
-from tasks.driving.task import DrivingTask, Scenario
+from tasks.driving.task import STEERING_RAD, DrivingTask, Scenario
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
     """An environment of this task."""
     return ComposerEnvironment(DrivingTask(scenario))
+
+
+def steering(pressed: frozenset[str]) -> Action:
+    """(1,) rad: both ways at once go straight on."""
+    return np.array([STEERING_RAD * (("left" in pressed) - ("right" in pressed))], np.float32)
+
+
+def hands(environment: ComposerEnvironment) -> ButtonHands:
+    """A person's, at the wheel."""
+    del environment
+    buttons = {
+        "left": Button("KeyJ", "left", stick=-1),
+        "right": Button("KeyL", "right", stick=1),
+    }
+    return ButtonHands(buttons, steering)
 
 
 def support_figure(*arguments: Any) -> None:
@@ -60,6 +79,7 @@ DRIVING = TaskEntry(
         "paper-camera": partial(make, Scenario(render_px=500, pyramid_levels=2)),
     },
     expert=DrivingExpert,
+    hands=hands,
     plans={
         "full": LearningPlan(),
         # As in the draft: three laps, one convolution layer, the support on its last hidden layer.

@@ -27,10 +27,3 @@ CLIP_OF_VERTEX = np.where(
     -1,
 )
 """(n,) number of the clip, or -1"""
-
-
-def clip_weights(points_m: np.ndarray) -> np.ndarray:
-    """(n, 4) how much of each clip's displacement (n, 2) material points take over: bilinear."""
-    share = points_m / (2 * CORNERS_M[2]) + 0.5
-    x, y = share[:, 0], share[:, 1]
-    return np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)

@@ -15,8 +15,8 @@ _AHEAD_S = 0.05
 """one control step"""
 _RETURN_HZ = 6.0
 """share of a deviation that is made good in a second"""
-_MOST_RETURN = 1.2
-"""of the speed along the line that the way back may take"""
+_MOST_RETURN_M_S = 0.024
+"""towards the line"""
 
 
 def along_circle(
@@ -34,11 +34,9 @@ def along_circle(
     radius = float(np.linalg.norm(ahead))
     outwards = ahead / max(radius, 1e-6)
     onwards = np.array([-outwards[1], outwards[0]])
-    back = np.clip(
-        _RETURN_HZ * (RADIUS_M - radius), -_MOST_RETURN * SPEED_M_S, _MOST_RETURN * SPEED_M_S
-    )
+    back = float(np.clip(_RETURN_HZ * (RADIUS_M - radius), -_MOST_RETURN_M_S, _MOST_RETURN_M_S))
     # Slower along the line while it has to be reached first.
-    along = SPEED_M_S * (1 - 0.7 * abs(back) / (_MOST_RETURN * SPEED_M_S))
+    along = SPEED_M_S * (1 - 0.7 * abs(back) / _MOST_RETURN_M_S)
     turned = along * _AHEAD_S / RADIUS_M / 2
     direction = np.cos(turned) * onwards - np.sin(turned) * outwards
     velocity = to_world @ (along * direction + back * outwards) + drift_m_s

@@ -1,4 +1,4 @@
-"""What differs from episode to episode: how the sheet lies, what it is made of, what happens to it."""
+"""What differs from episode to episode: how the sheet lies, its material, what happens to it."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ class Difficulty:
     yaw_rad: float = float(np.deg2rad(15))
     clip_m: float = 0.002
     """of each clip along each axis"""
-    pretension: tuple[float, float] = (0.002, 0.01)
+    pretension: tuple[float, float] = (0.015, 0.03)
     """strain"""
     sag_m: tuple[float, float] = (0.001, 0.004)
     """in the middle, of the bed that the sheet lies on"""
@@ -40,7 +40,7 @@ NOMINAL = Difficulty(
     position_m=0.0,
     yaw_rad=0.0,
     clip_m=0.0,
-    pretension=(0.005, 0.005),
+    pretension=(0.02, 0.02),
     sag_m=(0.002, 0.002),
     stiffness=(1.0, 1.0),
     drag=(1.0, 1.0),
@@ -102,7 +102,8 @@ class Scene:
 def draw_scene(rng: np.random.Generator, difficulty: Difficulty) -> Scene:
     """The scene that belongs to the state of `rng`."""
     spread = difficulty.position_m
-    centre = CENTRE_M + [*rng.uniform(-spread, spread, 2), 0.0]
+    centre = CENTRE_M.copy()
+    centre[:2] += rng.uniform(-spread, spread, 2)
     yaw = float(rng.uniform(-difficulty.yaw_rad, difficulty.yaw_rad))
     clips = rng.uniform(*difficulty.pretension) * CORNERS_M
     clips = clips + rng.uniform(-difficulty.clip_m, difficulty.clip_m, (4, 2))

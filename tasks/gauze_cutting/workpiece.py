@@ -1,5 +1,7 @@
 """The sheet in a simulation: held by clips that may move, lying on a soft bed."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +18,8 @@ from tasks.gauze_cutting.geometry import (
     MESH,
     SIDE_M,
     SPARE_TRIANGLES,
-    clip_weights,
 )
+from tasks.gauze_cutting.resting import clip_response
 from tasks.gauze_cutting.scene import Scene
 
 SUPPORT_N_M = 0.3
@@ -43,18 +45,22 @@ class Workpiece:
         self._free = np.flatnonzero(~self.sheet.pinned)
         self._coordinates = self.sheet.coordinates[self._free][:, None] + np.arange(3)
         self._joints = self.sheet.joints[self._free] + 2
+        # Spares have none: they lie in the middle.
+        self._response = np.zeros((len(self._free), 2, 4, 2))
+        mesh = self._free < len(MESH.points_m)
+        self._response[mesh] = clip_response()[self._free[mesh]]
         self._homes_m = model.body_pos[self.sheet.bodies[self._free]] + CENTRE_M
-        model.jnt_stiffness[self._joints] = SUPPORT_N_M
         self._scene: Scene | None = None
 
     def lay(self, scene: Scene) -> None:
         """Put a whole sheet where and how `scene` has it, at rest."""
         self._scene = scene
         model, data, sheet = self._model, self._data, self.sheet
-        sheet.restore(scene.stiffness * MEMBRANE.young_pa)
-        model.jnt_stiffness[self._joints] = SUPPORT_N_M
+        sheet.membrane = replace(MEMBRANE, young_pa=scene.stiffness * MEMBRANE.young_pa)
+        self.make_whole()
         rest = sheet.rest_m[self._free]
-        flat = (rest + clip_weights(rest) @ scene.clips_m) @ scene.rotation.T
+        displaced = np.einsum("nicj,cj->ni", self._response, scene.clips_m)
+        flat = (rest + displaced) @ scene.rotation.T
         # The bed is deepest in the middle and level with the clips at the edges.
         share = 2 * rest / SIDE_M
         depth = scene.sag_m * np.prod(1 - share**2, axis=1)
@@ -69,6 +75,11 @@ class Workpiece:
             np.sin(scene.yaw_rad / 2),
         ]
         self.move_clips(0.0)
+
+    def make_whole(self) -> None:
+        """Take back all cuts; where its vertices are is not changed."""
+        self.sheet.restore()
+        self._model.jnt_stiffness[self._joints] = SUPPORT_N_M
 
     def move_clips(self, time_s: float) -> None:
         """To where they are at a time of the episode."""
@@ -102,7 +113,7 @@ class Workpiece:
         )
 
     def disc(self) -> NDArray[np.int64] | None:
-        """The elements of the free piece that the middle of the circle belongs to, if it is free."""
+        """The elements of the piece around the middle of the circle; None while it is not free."""
         middles = self.sheet.rest_m[self.sheet.active_elements].mean(axis=1)
         middle = int((middles**2).sum(axis=1).argmin())
         return next((piece for piece in free_pieces(self.sheet) if middle in piece), None)

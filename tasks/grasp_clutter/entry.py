@@ -1,12 +1,18 @@
 """Grasping in clutter's entry in the table of tasks."""
 
+from dataclasses import replace
 from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
 
 from controllers.back_up import BackUp
 from controllers.hold import Hold
+from controllers.teleop.arm import ArmHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
+from tasks.grasp_clutter.claims import CLAIMS, RECIPE
 from tasks.grasp_clutter.expert import GraspExpert
 from tasks.grasp_clutter.scene import EASY
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
@@ -37,6 +43,35 @@ def back_up(environment: ComposerEnvironment) -> BackUp:
     return stand_ins.back_up(drive_of(environment), CONTROL_TIMESTEP_S)
 
 
+def hands(environment: ComposerEnvironment) -> ArmHands:
+    """A person's."""
+    return stand_ins.hands(drive_of(environment))
+
+
+def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
+    """`tasks.grasp_clutter.figures.film_frame`, which is imported only when a film is made."""
+    from tasks.grasp_clutter.figures import film_frame
+
+    return film_frame(environment)
+
+
+_FULL = LearningPlan(
+    policy="spatial-cnn",
+    policy_settings={"steps": 1000, "warm_steps": 500},
+    embedding="image-points",
+    precedent_embedding="image-points",
+    false_alarm_rate=0.2,
+    minimum_hold_steps=8,
+    refit_unused=False,
+    demonstrations=60,
+    calibration=20,
+    check=10,
+    rounds=6,
+    episodes=16,
+    held_out=10,
+    final=100,
+)
+
 GRASP_CLUTTER = TaskEntry(
     name="grasp-clutter",
     summary="reach through standing clutter, grasp the red target and lift it",
@@ -48,11 +83,39 @@ GRASP_CLUTTER = TaskEntry(
         "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },
     expert=GraspExpert,
+    hands=hands,
     stand_ins={"hold": hold, "back-up": back_up},
     plans={
-        "full": LearningPlan(),
-        "quick": LearningPlan(
-            methods=("dagger", "sheath"), seeds=(0,), rounds=2, episodes=2, held_out=2, final=2
+        "full": _FULL,
+        "quick": replace(
+            _FULL,
+            policy_settings={"steps": 60, "warm_steps": 20},
+            methods=("dagger", "sheath"),
+            seeds=(0,),
+            demonstrations=6,
+            calibration=4,
+            check=2,
+            rounds=2,
+            episodes=3,
+            held_out=2,
+            final=2,
+        ),
+        # The best policy: many scenes, and a hand that is pushed about, which shows the ways back.
+        "recipe": replace(
+            _FULL,
+            policy_settings={"steps": 4000, "warm_steps": 1000},
+            methods=("cloning",),
+            seeds=(0,),
+            demonstrations=200,
+            demonstration_noise=0.15,
+            calibration=10,
+            check=1,
+            rounds=1,
+            episodes=20,
+            held_out=1,
         ),
     },
+    picture=picture,
+    claims=CLAIMS,
+    plan_claims={"recipe": RECIPE},
 )

@@ -13,7 +13,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import Commanded, Outcome, TaskSpec
+from sheath_manip.types import Commanded, FirstView, Mirror, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.grasp_clutter.guide import GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
@@ -31,6 +31,8 @@ ASSETS = Path(__file__).resolve().parents[2] / "assets" / "grasp_clutter"
 CONTROL_TIMESTEP_S = 0.05
 PHYSICS_TIMESTEP_S = 0.0025
 IMAGE_PX = 84
+SYMMETRIC_CAMERAS = frozenset({"front", "wrist"})
+"""which see the mirror image of what they would see of the mirrored scene"""
 TOPPLING = 0.9
 """share of its own tip angle from which an object counts as toppled"""
 LIFTED_M = 0.10
@@ -48,7 +50,8 @@ class Scenario:
 
     difficulty: Difficulty = HARD
     robot: RobotDescription = ARM_WITH_JAW
-    cameras: tuple[str, ...] = ("front", "shoulder", "wrist")
+    cameras: tuple[str, ...] = ("front", "wrist")
+    """`shoulder` beside them looks from the side: with it there is no mirror image of a scene"""
     time_limit_s: float = 15.0
     command_filter: bool = True
     """without one the arm does whatever it is told"""
@@ -113,6 +116,8 @@ class GraspTask(SheathTask):
             max_steps=round(self.scenario.time_limit_s / CONTROL_TIMESTEP_S),
             metric="success",
             plane=("tool_x_m", "tool_y_m"),
+            first_view=FirstView(0.45, azimuth_deg=145.0, elevation_deg=25.0),
+            mirror=self._mirror(),
         )
 
     @property
@@ -165,6 +170,10 @@ class GraspTask(SheathTask):
         mujoco.mj_forward(physics.model.ptr, physics.data.ptr)
         self._tool_m = physics.data.ptr.site_xpos[self._tool].copy()
         self._momenta = self._pool.momenta(physics.data.ptr)
+
+    def tool_m(self, physics: mjcf.Physics) -> NDArray[np.float64]:
+        """(3,) the middle between the fingers."""
+        return physics.data.ptr.site_xpos[self._tool].copy()
 
     def situation(self, physics: mjcf.Physics) -> Situation:
         """Robot and objects as they are."""
@@ -263,6 +272,18 @@ class GraspTask(SheathTask):
     def commanded(self) -> Commanded | None:
         """What the command filter made of the last action."""
         return self.drive.commanded
+
+    def _mirror(self) -> Mirror | None:
+        """Left for right, where neither the arm nor a camera stands aside."""
+        mirrored = self.scenario.robot.mirrored_joints
+        if mirrored is None or not SYMMETRIC_CAMERAS.issuperset(self.scenario.cameras):
+            return None
+        joints = [
+            -1.0 if name in mirrored else 1.0 for name in self.scenario.robot.joint_speeds_rad_s
+        ]
+        tool, gripper = (1.0, -1.0, 1.0), (1.0, 1.0)
+        velocity, turn, grip = (1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0,)
+        return Mirror((*joints, *tool, *gripper), (*velocity, *turn, *grip))
 
     def _proprioception(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         tool = physics.data.ptr.site_xpos[self._tool]

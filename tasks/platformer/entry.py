@@ -7,12 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.hold import Hold
+from controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.seeding import seed_for
 from sheath_manip.task import TaskEntry
+from sheath_manip.types import Action
 from tasks.composer_environment import ComposerEnvironment
 from tasks.platformer.claims import CLAIMS
 from tasks.platformer.expert import PlatformerExpert
+from tasks.platformer.game import Buttons
 from tasks.platformer.task import PlatformerTask, Scenario
 
 IMAGE_PX = 84
@@ -43,6 +47,33 @@ def stage_number(lot: str, run_seed: int) -> int:
 def make_stage_of(lot: str, run_seed: int) -> ComposerEnvironment:
     """An environment on the stage of the training run with that seed."""
     return make_stage(stage_number(lot, run_seed))
+
+
+def buttons(pressed: frozenset[str]) -> Action:
+    """(4,) 0 or 1: left and right at once are none."""
+    both = {"left", "right"} <= pressed
+    names = pressed - {"left", "right"} if both else pressed
+    return np.array([name in names for name in Buttons._fields], np.float32)
+
+
+def hands(environment: ComposerEnvironment) -> ButtonHands:
+    """A person's, on the buttons."""
+    del environment
+    return ButtonHands(
+        {
+            "left": Button("KeyJ", "left", stick=-1),
+            "right": Button("KeyL", "right", stick=1),
+            "jump": Button("KeyI", "jump", pad=0),
+            "speed": Button("KeyU", "run", pad=2),
+        },
+        buttons,
+    )
+
+
+def hold(environment: ComposerEnvironment) -> Hold:
+    """Presses nothing."""
+    del environment
+    return Hold(lambda: buttons(frozenset()))
 
 
 def scene_figure(*arguments: Any) -> None:
@@ -131,6 +162,8 @@ PLATFORMER = TaskEntry(
         "tuning-stage": partial(make_stage_of, "tuning"),
     },
     expert=PlatformerExpert,
+    hands=hands,
+    stand_ins={"hold": hold},
     plans={
         "full": _FULL,
         # One policy for all stages, a new one in every episode.

@@ -56,6 +56,7 @@ ARM_WITH_JAW = RobotDescription(
     home_rad=HOME_RAD,
     servos=tuple(ARM_JOINT_SPEEDS_RAD_S),
     body_geoms=(*ARM_GEOMS, "jaw/palm", *JAW_FINGERS),
+    mirrored_joints=("base_yaw", "wrist_yaw", "wrist_roll"),
     **JAW,
 )
 

@@ -1,7 +1,8 @@
-"""Who may stand in where no expert can take over a robot."""
+"""Who may drive a robot in the place of its scripted expert."""
 
 from controllers.back_up import BackUp
 from controllers.hold import Hold
+from controllers.teleop.arm import ArmHands
 from tasks.robots.drive import TWIST_SCALE, RobotDrive
 
 
@@ -13,3 +14,8 @@ def hold(drive: RobotDrive) -> Hold:
 def back_up(drive: RobotDrive, timestep_s: float) -> BackUp:
     """Goes back by the way that its tool came."""
     return BackUp(drive.commanded_tool_pose, drive.rest, TWIST_SCALE, timestep_s)
+
+
+def hands(drive: RobotDrive) -> ArmHands:
+    """A person's, on the tool."""
+    return ArmHands(drive.commanded_tool_pose, drive.rest, TWIST_SCALE)

@@ -14,8 +14,10 @@ from websockets.http11 import Request
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin, Subprotocol
 
+from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.access import AccessControl
+from sheath_manip.dashboard.parts.controls import Controls
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.exceptions import ParameterError, SetupError
 from tests.waiting import DEADLINE_S, eventually
@@ -139,7 +141,7 @@ def test_share_is_refused(
         connection.recv(timeout=DEADLINE_S)
         connection.send(msgspec.msgpack.encode({"type": "ShareUrlRequest"}))
         # Messages are handled in their order, so once this one is, so was the one before.
-        button = dashboard._page.panel._pause
+        button = dashboard._page.part(Controls).pause
         click = {"type": "GuiUpdateMessage", "uuid": button._impl.uuid, "updates": {"value": True}}
         connection.send(msgspec.msgpack.encode(click))
         assert eventually(lambda: button.value)
@@ -155,17 +157,17 @@ def test_share_is_refused(
 def test_taken_port_is_an_error(dashboard: Dashboard) -> None:
     port = port_of(dashboard)
     with pytest.raises(SetupError, match=f"127.0.0.1:{port} .*another port"):
-        GuardedServer.open("127.0.0.1", port, None, "second")
+        GuardedServer.open("127.0.0.1", port, None, "second", Cockpit())
 
 
 def test_foreign_address_is_an_error() -> None:
     with pytest.raises(SetupError, match=r"192\.0\.2\.1:0"):
-        GuardedServer.open("192.0.2.1", 0, None, "elsewhere")
+        GuardedServer.open("192.0.2.1", 0, None, "elsewhere", Cockpit())
 
 
 def test_short_token_is_an_error() -> None:
     with pytest.raises(ParameterError, match="6 characters; wanted at least 8"):
-        GuardedServer.open("127.0.0.1", 0, "secret", "short")
+        GuardedServer.open("127.0.0.1", 0, "secret", "short", Cockpit())
 
 
 def test_serve_is_unwrapped_after_the_start(dashboard: Dashboard) -> None:

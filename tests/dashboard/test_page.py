@@ -8,8 +8,11 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard, replay
+from sheath_manip.dashboard.parts.score_plot import ScorePlot
+from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
+from tests.dashboard.conftest import states_at
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
@@ -23,10 +26,11 @@ def test_page_shows_and_pauses_a_run(
     browser_page: Page,
     tmp_path: Path,
 ) -> None:
-    page, panel = browser_page, dashboard._page.panel
+    page = browser_page
+    plot, plane = dashboard._page.part(ScorePlot), dashboard._page.part(SupportMap)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
-    dashboard.show_training(training)
+    dashboard.on_fit(states_at(training))
     enough = threading.Event()
 
     def replay_again_and_again() -> None:
@@ -38,8 +42,8 @@ def test_page_shows_and_pauses_a_run(
     run.start()
 
     wait_until(lambda: dashboard._page.watched, "browser at the server", page)
-    wait_until(lambda: panel._scores.visible and len(panel._scores.data[0]) > 5, "scores", page)
-    wait_until(lambda: panel._support.visible, "support picture", page)
+    wait_until(lambda: plot._scores.visible and len(plot._scores.data[0]) > 5, "scores", page)
+    wait_until(lambda: plane._image.visible, "support picture", page)
     assert "token" not in page.url
     page.wait_for_selector("canvas")
     page.wait_for_selector(".u-over")
@@ -47,7 +51,10 @@ def test_page_shows_and_pauses_a_run(
     # A task's name is text, whatever it looks like.
     page.get_by_text("ring <b>road</b>").first.wait_for()
     assert page.locator("b", has_text="road").count() == 0
+    wait_until(lambda: page.locator("img").count() >= 1, "camera image on the page", page)
+    page.get_by_role("tab", name="Support").click()
     wait_until(lambda: page.locator("img").count() >= 2, "pictures on the page", page)
+    page.get_by_role("tab", name="Run").click()
 
     page.get_by_role("button", name="Pause").click()
     wait_until(lambda: dashboard.paused, "pause at the server", page)

@@ -9,6 +9,10 @@ from playwright.sync_api import Page
 
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dashboard import Dashboard
+from sheath_manip.dashboard.parts.cameras import Cameras
+from sheath_manip.dashboard.parts.score_plot import ScorePlot
+from sheath_manip.dashboard.parts.support_map import SupportMap
+from sheath_manip.dashboard.parts.trouble import Trouble
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.protocols import Policy
@@ -64,7 +68,7 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
     page.on("pageerror", lambda error: errors.append(str(error)))
     task = DrivingTask(SCENARIO)
     with Dashboard(task.spec, port=0) as dashboard:
-        panel = dashboard._page.panel
+        part = dashboard._page.part
         dashboard.on_fit(training_on(task))
         run = threading.Thread(target=drive, args=(dashboard, enough), daemon=True)
         open_dashboard(page, dashboard.address)
@@ -72,24 +76,26 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         run.start()
 
         def interventions() -> int:
-            figures = dashboard._tally.figures
-            return figures.series.interventions if figures else 0
+            moment = dashboard._latest()
+            return moment.series.interventions if moment else 0
 
         wait_until(lambda: interventions() > 1, "interventions", page)
-        wait_until(lambda: panel._scores.visible, "scores", page)
-        wait_until(lambda: panel._support.visible, "support picture", page)
-        wait_until(lambda: panel._cameras["overhead"].visible, "camera image", page)
+        wait_until(lambda: part(ScorePlot)._scores.visible, "scores", page)
+        wait_until(lambda: part(SupportMap)._image.visible, "support picture", page)
+        wait_until(lambda: part(Cameras)._images["overhead"].visible, "camera image", page)
 
         page.locator("canvas").first.wait_for()
         page.locator(".u-over").wait_for()
         page.get_by_text("What the policy sees").wait_for()
+        page.get_by_role("tab", name="Support").click()
         # The support picture and the camera's image.
         page.wait_for_function(
             "[...document.images].filter(image => image.naturalWidth > 100).length >= 2"
         )
-        counts = page.get_by_role("row").filter(has_text="all sheath learning").get_by_role("cell")
-        wait_until(lambda: int(counts.nth(1).inner_text()) > 1, "count on the page", page)
-        assert not panel._trouble.visible
+        page.get_by_role("tab", name="Run").click()
+        counts = page.get_by_role("row").filter(has_text="interventions").get_by_role("cell")
+        wait_until(lambda: int(counts.nth(2).inner_text()) > 1, "count on the page", page)
+        assert not part(Trouble)._box.visible
         enough.set()
         run.join(TIMEOUT_S)
     assert not run.is_alive()

@@ -1,5 +1,9 @@
 """The cutting component on a small sheet of its own."""
 
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
@@ -26,7 +30,7 @@ PINNED = np.flatnonzero((np.abs(MESH.points_m) > SIDE_M / 2 - 0.006).all(axis=1)
 
 
 def simulation(mesh: Mesh = MESH, spares: int = SPARES) -> mjcf.Physics:
-    root = mjcf.RootElement()
+    root: Any = mjcf.RootElement()
     root.option.integrator, root.option.solver = "discrete", "CG"
     root.option.timestep, root.option.iterations = 0.01, 2000
     root.option.tolerance = 1e-10
@@ -65,7 +69,7 @@ def follow(crack: Crack, path: np.ndarray, data: mujoco.MjData | None = None) ->
 
 def slit_along_a_row(sheet: Sheet) -> None:
     row = np.flatnonzero(np.abs(MESH.points_m[:, 1]) < 1e-9)[3:9]
-    for start, end in zip(row[:-1], row[1:], strict=True):
+    for start, end in pairwise(row):
         # A vertex that was doubled goes on under either name.
         edges = (edge_between(sheet, int(copy), int(end)) for copy in sheet.copies(int(start)))
         edge = next(edge for edge in edges if edge is not None)
@@ -165,14 +169,16 @@ def test_restoring_brings_back_the_model_to_the_bit():
 def test_another_stiffness_is_as_if_it_was_compiled():
     sheet = sheet_in(simulation())
     compiled = sheet.stiffness.copy(), sheet.bending.copy()
-    sheet.restore(3e5)
+    sheet.membrane = replace(MEMBRANE, young_pa=3e5)
+    sheet.restore()
     soft_made_stiff = sheet.stiffness.copy(), sheet.bending.copy()
     sheet.recompute(range(len(MESH.triangles)))
     np.testing.assert_allclose(sheet.stiffness, soft_made_stiff[0], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(sheet.bending, soft_made_stiff[1], rtol=1e-9, atol=1e-18)
     sheet.restore()
     np.testing.assert_array_equal(sheet.stiffness, soft_made_stiff[0])
-    sheet.restore(MEMBRANE.young_pa)
+    sheet.membrane = MEMBRANE
+    sheet.restore()
     np.testing.assert_array_equal(sheet.stiffness, compiled[0])
     np.testing.assert_array_equal(sheet.bending, compiled[1])
 
@@ -226,7 +232,10 @@ def test_places_are_found_in_the_deformed_sheet():
     mujoco.mj_step(model, data, 30)
     mujoco.mj_kinematics(model, data)
     lie = lie_of(sheet, data)
-    for point in np.random.default_rng(0).uniform(-0.02, 0.02, (20, 2)):
+    points = np.random.default_rng(0).uniform(-0.02, 0.02, (20, 2))
+    each = [lie.of(point).world_m for point in points]
+    np.testing.assert_allclose(lie.positions_of(points), each, atol=1e-12)
+    for point in points:
         there = lie.of(point)
         assert there.inside
         back = lie.below(there.world_m[:2], point, 0.02)

@@ -23,6 +23,8 @@ _LEAST_ADVANCE = 0.45
 _LEAST_ADVANCE_INTO_CUT = 0.05
 _ASIDE = 0.6
 """that a vertex may lie from the trail"""
+_RIM_FIRST = 0.25
+"""nearer a vertex of the rim counts: a bridge that is narrower than the mesh is cut through"""
 _ASIDE_IN_CUT = 0.25
 """likewise, if the way to it is cut already"""
 _LOST = 2.5
@@ -120,13 +122,13 @@ class Crack:
         if not len(ends):
             return None
         aside, along, feet = self.trail.nearest(sheet.rest_m[ends])
-        for index in np.argsort(aside, kind="stable"):
+        on_rim = np.array([sheet.on_rim(int(end)) for end in ends])
+        for index in np.argsort(aside - _RIM_FIRST * size * on_rim, kind="stable"):
             end, point = int(ends[index]), feet[index]
-            rim = sheet.on_rim(end)
-            least = _LEAST_ADVANCE_INTO_CUT if rim else _LEAST_ADVANCE
+            least = _LEAST_ADVANCE_INTO_CUT if on_rim[index] else _LEAST_ADVANCE
             if aside[index] > _ASIDE * size or along[index] < least * size:
                 continue
-            if rim:
+            if on_rim[index]:
                 return Cut(int(starts[index]), end)
             if may_snap(sheet, end, point):
                 return Cut(int(starts[index]), end, (float(point[0]), float(point[1])))

@@ -1,6 +1,7 @@
 """A square of nearly equilateral triangles."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ def hex_square(side_m: float, columns: int) -> Mesh:
         [np.column_stack([xs, np.full(len(xs), y)]) for xs, y in zip(lines, heights, strict=True)]
     )
     triangles, first = [], 0
-    for below, above in zip(lines[:-1], lines[1:], strict=True):
+    for below, above in pairwise(lines):
         triangles += _strip(below, above, first)
         first += len(below)
     return Mesh(points - side_m / 2, np.array(triangles, np.int32), size_m)

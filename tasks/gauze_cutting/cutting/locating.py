@@ -5,8 +5,12 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from tasks.gauze_cutting.cutting.sheet import Sheet
+
+_CANDIDATES = 6
+"""elements next to a point by their middles, one of which holds it in any mesh that is no sliver"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +70,18 @@ class Lie:
         element = int(weights.min(axis=1).argmax())
         return self._place(element, weights[element])
 
+    def positions_of(self, material_m: NDArray) -> NDArray[np.float64]:
+        """(k, 3) where (k, 2) material points are in the world: quicker for many, for pictures."""
+        middles = self.material_m[self.elements].mean(axis=1)
+        _, near = cKDTree(middles).query(material_m, k=_CANDIDATES)
+        corners = self.elements[near]
+        points = np.repeat(material_m, _CANDIDATES, axis=0)
+        flat = barycentric(self.material_m[corners].reshape(-1, 3, 2), points)
+        weights = flat.reshape(*near.shape, 3)
+        best = weights.min(axis=2).argmax(axis=1)
+        rows = np.arange(len(material_m))
+        return np.einsum("kc,kcx->kx", weights[rows, best], self.positions_m[corners[rows, best]])
+
     def _place(self, element: int, weights: NDArray) -> Place:
         corners = self.elements[element]
         return Place(
@@ -91,7 +107,7 @@ def vertex_positions(sheet: Sheet, data: mujoco.MjData) -> NDArray[np.float64]:
 
 
 def barycentric(corners_m: NDArray, point_m: NDArray) -> NDArray[np.float64]:
-    """(n, 3) weights of (n, 3, 2) corners that sum up to (2,) `point_m`."""
+    """(n, 3) weights of (n, 3, 2) corners that sum up to `point_m`, (2,) or (n, 2)."""
     a, b, c = corners_m.transpose(1, 0, 2)
     first, second, third = b - a, c - a, point_m - a
     doubled = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

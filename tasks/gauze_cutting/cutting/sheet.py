@@ -1,7 +1,6 @@
 """The arrays of a model that a cut edits, and the pool that it takes vertices and edges from."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -41,6 +40,7 @@ class Sheet:
         self.model = model
         self.mesh = mesh
         self.membrane = self._compiled = membrane
+        """of what is restored and cut from now on"""
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_FLEX, flex)
         if index < 0:
             raise ParameterError(f"the model has no flex {flex!r}")
@@ -134,13 +134,11 @@ class Sheet:
         """The vertices that are not in use."""
         return slice(len(self.rest_m) - self.spare_vertices, len(self.rest_m))
 
-    def restore(self, young_pa: float | None = None) -> None:
-        """Make it whole again, from now on of another Young's modulus where one is given."""
+    def restore(self) -> None:
+        """Make it whole again, of its present `membrane`, which may differ in Young's modulus."""
         for array, uncut in zip(self._tied, self._uncut, strict=True):
             array[:] = uncut
         self._vertices_used = self._edges_used = 0
-        if young_pa is not None:
-            self.membrane = replace(self.membrane, young_pa=young_pa)
         if self.membrane != self._compiled:
             # Both are linear in it.
             factor = self.membrane.young_pa / self._compiled.young_pa

@@ -63,7 +63,7 @@ def test_export_import_export_is_the_identity(specs, task, target, seed) -> None
 @pytest.mark.parametrize("target", ["demos.zarr", "demos.hdf5"])
 def test_what_was_selected_comes_back_too(specs, tmp_path, target) -> None:
     store = EpisodeStore.create(tmp_path / "store")
-    for episode in of_task(specs["corridor"], seed=5, count=4, longest=12):
+    for episode in of_task(specs["corridor"], seed=5, count=8, longest=12):
         store.append(episode)
     selection = Selection(expert_steps=True, action=ActionChoice.LABELLED)
     form = FORMATS[target]

@@ -1,0 +1,74 @@
+"""Reads a SpaceMouse that is plugged in here (pyspacemouse), beside the page."""
+
+import threading
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from sheath_manip.cockpit import Cockpit, SixAxes
+from sheath_manip.exceptions import SetupError
+
+DEAD_ZONE = 0.08
+"""of each axis' way, which a cap at rest does not leave"""
+_PERIOD_S = 0.01
+
+
+class SpaceMouse:
+    """Hands its readings to a cockpit from a thread of its own, until it is closed."""
+
+    def __init__(self, cockpit: Cockpit) -> None:
+        """Raises SetupError where the package or the device is missing."""
+        try:
+            import pyspacemouse  # pyright: ignore[reportMissingImports] - an extra
+        except ImportError as error:
+            raise SetupError(
+                "a SpaceMouse wants the package pyspacemouse; `pip install -e '.[spacemouse]'`"
+            ) from error
+        try:
+            device: Any = pyspacemouse.open()
+        except Exception as error:
+            raise SetupError(
+                f"the SpaceMouse does not open ({error}); is it plugged in?"
+            ) from error
+        if not device:
+            raise SetupError("there is no SpaceMouse; wanted one plugged in and readable")
+        # The package's version 1 reads the one open device, version 2 the one that it returned.
+        self._device: Any = device if hasattr(device, "read") else pyspacemouse
+        self._cockpit = cockpit
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="SpaceMouse", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop reading."""
+        self._closing.set()
+        self._thread.join(1.0)
+        self._device.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _run(self) -> None:
+        while not self._closing.wait(_PERIOD_S):
+            state = self._device.read()
+            if state is not None:
+                self._cockpit.turn_axes(six_axes(state))
+
+
+def six_axes(state: Any) -> SixAxes:
+    """A reading (x right, y forward, z up, each -1..1) in the world frame of a table before one."""
+    turns = (state.roll, state.pitch, -state.yaw)
+    raw = np.array([state.y, -state.x, state.z, *turns], np.float64)
+    raw = np.clip(np.nan_to_num(raw, nan=0.0), -1.0, 1.0)
+    twist = np.where(np.abs(raw) > DEAD_ZONE, raw, 0.0)
+    pressed = [bool(button) for button in (*state.buttons, 0, 0)][:2]
+    return SixAxes(twist, (pressed[0], pressed[1]))

@@ -1,0 +1,23 @@
+"""The person at the controls, as the control loop sees it: orders, input, lease, gate and expert.
+
+Nothing here knows the page: whoever brings a person's orders and input (a websocket, a button, a
+test) hands them to the `Cockpit`, and the control loop reads them there at each step.
+"""
+
+from sheath_manip.cockpit.cockpit import Cockpit
+from sheath_manip.cockpit.environment import OperatedEnvironment
+from sheath_manip.cockpit.expert import OperatedExpert
+from sheath_manip.cockpit.gate import PersonGate
+from sheath_manip.cockpit.given import Gamepad, Given, SixAxes
+from sheath_manip.cockpit.orders import Order
+
+__all__ = [
+    "Cockpit",
+    "Gamepad",
+    "Given",
+    "OperatedEnvironment",
+    "OperatedExpert",
+    "Order",
+    "PersonGate",
+    "SixAxes",
+]

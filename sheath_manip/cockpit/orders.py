@@ -1,0 +1,36 @@
+"""What a person may order, by the page's buttons, its hotkeys or a websocket."""
+
+import math
+from enum import StrEnum
+
+SLOWEST, FASTEST = 0.1, 4.0
+"""times the task's own pace"""
+
+
+class Order(StrEnum):
+    """One order; the values are what goes over the wire."""
+
+    PAUSE = "pause"
+    RESUME = "resume"
+    STEP = "step"
+    """one control step of a paused run"""
+    SPEED = "speed"
+    """comes with a number, 1 for the task's own pace"""
+    TAKE_OVER = "take-over"
+    HAND_BACK = "hand-back"
+    STOP = "emergency-stop"
+    """latched; anyone may give it"""
+    RESET = "reset-stop"
+    """ends an emergency stop and leaves the run paused: a reset by itself moves nothing"""
+    SUCCESS = "mark-success"
+    """ends the episode, as all that follow"""
+    FAILURE = "mark-failure"
+    SAVE = "save"
+    """with the outcome that it has"""
+    DISCARD = "discard"
+    """records nothing, and runs the scene again"""
+
+
+def clamped_speed(value: float) -> float:
+    """`value` within what a run may be paced at; 1 where it is no number."""
+    return min(max(value, SLOWEST), FASTEST) if math.isfinite(value) else 1.0

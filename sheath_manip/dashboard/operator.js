@@ -1,0 +1,126 @@
+function (settings) {
+  // Sent to each page by the server. Runs again where viser's own connection was lost and is back.
+  window.sheathOperator?.close();
+
+  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500;
+  const codes = new Set(settings.codes), held = new Set(), caught = new Set();
+  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, beeps = 0, audio = null;
+
+  const banner = document.createElement("div");
+  banner.id = "sheath-operator";
+  banner.setAttribute("role", "status");
+  banner.style.cssText =
+    "position:fixed;top:14px;left:50%;transform:translateX(-50%);z-index:10000;display:none;" +
+    "pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
+    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:60vw";
+  document.body.appendChild(banner);
+
+  const send = (message) => {
+    if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  };
+  const order = (name) => send({ order: name });
+
+  function connect() {
+    if (closed) return;
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    socket = new WebSocket(`${scheme}://${location.host}${settings.path}`);
+    socket.onopen = () => { send({ station: settings.station }); lastSent = ""; look(); };
+    socket.onmessage = (event) => { state = JSON.parse(event.data); show(); };
+    socket.onclose = () => { state = {}; show(); if (!closed) setTimeout(connect, retryMs); };
+  }
+
+  function pad() {
+    const found = [...(navigator.getGamepads?.() ?? [])].find((each) => each?.connected);
+    if (!found) return null;
+    const axis = (n) => Math.max(-1, Math.min(1, Math.round(1000 * (found.axes[n] ?? 0)) / 1000));
+    const buttons = found.buttons.flatMap((each, n) => (each.pressed && n < 32 ? [n] : []));
+    return { axes: [0, 1, 2, 3].map(axis), buttons };
+  }
+
+  // What is held is sent on change and again and again: the server takes silence for letting go.
+  function look() {
+    if (!state.operated) return;
+    const now = JSON.stringify({ keys: [...held].sort(), pad: pad() });
+    if (now === lastSent && performance.now() - sentMs < sendEveryMs) return;
+    lastSent = now;
+    sentMs = performance.now();
+    if (socket?.readyState === WebSocket.OPEN) socket.send(now);
+  }
+
+  const typing = (target) =>
+    target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
+
+  function down(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+    const hotkey = settings.hotkeys[event.code], moves = state.operated && codes.has(event.code);
+    if (!hotkey && !moves) return;
+    // Neither viser's camera nor a button that has the focus gets it.
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    caught.add(event.code);
+    if (event.repeat) return;
+    if (hotkey) order(hotkey);
+    else { held.add(event.code); look(); }
+  }
+  function up(event) {
+    if (held.delete(event.code)) look();
+    if (!caught.delete(event.code)) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+  }
+  // Who looks elsewhere lets go: the key's release would never be heard.
+  function letGo() { held.clear(); look(); }
+  const hidden = () => { if (document.hidden) letGo(); };
+
+  function show() {
+    const say = (text, colour) => {
+      banner.style.display = text ? "block" : "none";
+      banner.style.background = colour;
+      banner.textContent = text;
+    };
+    const wait = state.left_s == null ? "" : ` Somebody else acts in ${state.left_s} s.`;
+    if (state.stopped) say("EMERGENCY STOP. R resets it.", "#be1e2d");
+    else if (state.asking && !state.mine && !state.others)
+      say(`The robot asks for you: take over with T.${wait}`, "#d55e00");
+    else if (state.others) say("Another page drives; you watch. Space stops the robot.", "#6e747c");
+    else if (state.mine && state.turn !== "person")
+      say("You have taken over; the robot holds until you move it. H hands back.", "#008764");
+    else if (state.mine) say("You drive. H hands back, Space stops.", "#008764");
+    else say("", "");
+  }
+
+  function beep() {
+    if (!state.asking || state.mine || state.stopped) return;
+    beeps += 1;
+    try {
+      audio ??= new AudioContext();
+      const tone = audio.createOscillator(), volume = audio.createGain();
+      tone.frequency.value = 880;
+      volume.gain.value = 0.15;
+      tone.connect(volume).connect(audio.destination);
+      tone.start();
+      tone.stop(audio.currentTime + 0.18);
+    } catch { /* A browser without sound still shows the request. */ }
+  }
+
+  const timers = [setInterval(look, lookEveryMs), setInterval(beep, 1000)];
+  const listening = [
+    [window, "keydown", down], [window, "keyup", up],
+    [window, "blur", letGo], [document, "visibilitychange", hidden],
+  ];
+  for (const [target, name, act] of listening) target.addEventListener(name, act, true);
+  connect();
+
+  window.sheathOperator = {
+    order,
+    get state() { return state; },
+    get beeps() { return beeps; },
+    close() {
+      closed = true;
+      timers.forEach(clearInterval);
+      for (const [target, name, act] of listening) target.removeEventListener(name, act, true);
+      banner.remove();
+      socket?.close();
+    },
+  };
+}

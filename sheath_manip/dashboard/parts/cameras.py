@@ -1,0 +1,58 @@
+"""What the policy sees, in a window of its own."""
+
+import math
+import time
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
+
+WIDTH_PX = 220
+MARGIN_PX = 15
+RATE_HZ = 6.0
+
+
+class Cameras:
+    """The latest image of each camera; no window where the task has none."""
+
+    def __init__(self, desk: Desk) -> None:
+        gui, cameras = desk.viser.gui, desk.spec.cameras
+        self._drawn_s = -math.inf
+        self._images: dict[str, viser.GuiImageHandle] = {}
+        if not cameras:
+            return
+        blank = np.zeros((1, 1, 3), np.uint8)
+        window = gui.add_panel()
+        with window.add_tab("What the policy sees"):
+            for name in cameras:
+                label = name if len(cameras) > 1 else None
+                self._images[name] = gui.add_image(
+                    blank, label=label, jpeg_quality=85, visible=False
+                )
+        window.float(x=MARGIN_PX, y=MARGIN_PX, width=WIDTH_PX)
+
+    def draw(self, moment: Moment) -> None:
+        """Show what was seen before the shown step."""
+        if moment.step is None or not self._due(moment):
+            return
+        for name, image in moment.step.observation.images.items():
+            if name in self._images:
+                self._images[name].image = _enlarged(image)
+                self._images[name].visible = True
+
+    def _due(self, moment: Moment) -> bool:
+        """Encoding images is the dearest part of a drawing, so a moving picture has fewer."""
+        now_s = time.monotonic()
+        due = not moment.present or moment.paused or now_s - self._drawn_s >= 1 / RATE_HZ
+        if due:
+            self._drawn_s = now_s
+        return due
+
+
+def _enlarged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A policy's small image with every pixel repeated: the page shows images as they are."""
+    times = -(-WIDTH_PX // image.shape[1])
+    return image.repeat(times, 0).repeat(times, 1)

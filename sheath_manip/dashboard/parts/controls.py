@@ -1,0 +1,92 @@
+"""The controls: emergency stop, take over, pause, pace, and what is to become of the episode."""
+
+from collections.abc import Callable
+from html import escape
+
+import viser
+
+from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.cockpit.cockpit import State
+from sheath_manip.cockpit.orders import FASTEST, SLOWEST
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.operator_socket import station_of
+from sheath_manip.dashboard.part import Desk
+
+_EPISODE = {
+    "Success": Order.SUCCESS,
+    "Failure": Order.FAILURE,
+    "Save": Order.SAVE,
+    "Discard": Order.DISCARD,
+}
+"""in words that its hotkeys (G F V Z) go with"""
+
+
+class Controls:
+    """Every element only queues an order; the control loop follows it at its next step."""
+
+    def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
+        self._desk = desk
+        self._cockpit = cockpit
+        gui, operated = desk.viser.gui, bool(cockpit.guide)
+        self.stop = gui.add_button("STOP (Space)", color="red", visible=operated)
+        self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
+        self.pause = gui.add_button("Pause (P)", color="gray", icon=viser.Icon.PLAYER_PAUSE)
+        self.step = gui.add_button("One step (.)", color="gray", icon=viser.Icon.PLAYER_TRACK_NEXT)
+        self.speed = gui.add_slider(
+            "Speed", min=SLOWEST, max=FASTEST, step=0.1, initial_value=1.0, visible=cockpit.paced
+        )
+        self.episode = gui.add_button_group("Episode", tuple(_EPISODE), visible=operated)
+        gui.add_html(_guide(cockpit), visible=operated)
+        self._bind(self.stop, lambda state: Order.RESET if state.stopped else Order.STOP)
+        self._bind(self.take, lambda state: Order.HAND_BACK if state.taken else Order.TAKE_OVER)
+        self._bind(self.pause, lambda _: Order.RESUME if cockpit.paused else Order.PAUSE)
+        self._bind(self.step, lambda _: Order.STEP)
+
+        @self.speed.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            # An update without a client is the program's own.
+            if event.client_id is not None:
+                self._give(Order.SPEED, event, float(self.speed.value))
+
+        @self.episode.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            self._give(_EPISODE[self.episode.value], event)
+
+    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+        """Have each button offer the other of its two."""
+        state = self._cockpit.state
+        paused = self._cockpit.paused
+        self.stop.label = "Reset the stop (R)" if state.stopped else "STOP (Space)"
+        self.take.label, self.take.color = _take(state)
+        self.pause.label = "Resume (P)" if paused else "Pause (P)"
+        self.pause.icon = viser.Icon.PLAYER_PLAY if paused else viser.Icon.PLAYER_PAUSE
+        self.pause.color = "green" if paused else "gray"
+        self.step.disabled = not paused
+
+    def _bind(self, button: viser.GuiButtonHandle, meant: Callable[[State], Order]) -> None:
+        @button.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            self._give(meant(self._cockpit.state), event)
+
+    def _give(self, order: Order, event: viser.GuiEvent, value: float = 1.0) -> None:
+        if event.client_id is not None:
+            self._cockpit.order(order, station_of(event.client_id), value)
+        self._desk.wake()
+
+
+def _take(state: State) -> tuple[str, str]:
+    if state.taken:
+        return "Hand back (H)", "green"
+    return ("The robot asks: take over (T)" if state.asking else "Take over (T)"), "orange"
+
+
+def _guide(cockpit: Cockpit) -> str:
+    rows = "".join(
+        f'<tr><td style="white-space:nowrap;padding-right:1em"><b>{escape(each.shown)}</b></td>'
+        f"<td>{escape(each.says)}</td></tr>"
+        for each in cockpit.guide
+    )
+    return (
+        '<div style="margin:.4em 1.1em;font-size:.85em"><details><summary>Keys while you drive'
+        f"</summary><table>{rows}</table></details></div>"
+    )

@@ -1,0 +1,45 @@
+"""A gizmo on the tool: who drives drags the tool along."""
+
+import numpy as np
+import viser
+
+from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.operator_socket import station_of
+from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.scene import WORLD
+
+SCALE_M = 0.14
+
+
+class ToolGizmo:
+    """Lies on the tool while nobody drags it; visible while a person drives a robot with a tool."""
+
+    def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
+        self._cockpit = cockpit
+        self._dragged_by: int | None = None
+        self.handle = desk.viser.scene.add_transform_controls(
+            f"{WORLD}/tool_gizmo", scale=SCALE_M, depth_test=False, visible=False
+        )
+
+        @self.handle.on_update
+        async def _(event: viser.TransformControlsEvent) -> None:
+            if event.client_id is not None:
+                self._follow(event.client_id, event.phase)
+
+    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+        """Put it where the tool is, unless somebody drags it."""
+        pose, state = self._cockpit.tool_pose, self._cockpit.state
+        if self._dragged_by is not None and state.operator != station_of(self._dragged_by):
+            self._dragged_by = None
+        self.handle.visible = pose is not None and state.taken and not state.stopped
+        if pose is not None and self._dragged_by is None:
+            self.handle.position, self.handle.wxyz = pose[:3], pose[3:]
+
+    def _follow(self, client_id: int, phase: str) -> None:
+        station = station_of(client_id)
+        if phase == "end":
+            self._cockpit.drag(station, None)
+            self._dragged_by = None
+        elif self._cockpit.drag(station, np.concatenate([self.handle.position, self.handle.wxyz])):
+            self._dragged_by = client_id

@@ -1,0 +1,205 @@
+"""Orders, lease and input, without page and without robot; time is the test's."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
+from sheath_manip.cockpit.cockpit import MOST_ORDERS, Ending
+from sheath_manip.cockpit.guide import Binding
+from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
+from sheath_manip.cockpit.orders import FASTEST, SLOWEST
+from sheath_manip.types import Outcome
+
+GUIDE = (Binding(("KeyI",), "on"),)
+KEYS = Given(keys=frozenset({"KeyI"}))
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.s = 100.0
+
+    def __call__(self) -> float:
+        return self.s
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def cockpit(clock) -> Cockpit:
+    return Cockpit(GUIDE, clock)
+
+
+def test_one_drives_and_others_watch(cockpit):
+    assert cockpit.order(Order.TAKE_OVER, "one")
+    assert cockpit.give("one", KEYS)
+    assert not cockpit.order(Order.TAKE_OVER, "two")
+    assert not cockpit.give("two", Given())
+    assert not cockpit.drag("two", np.zeros(7))
+    for order in (Order.PAUSE, Order.HAND_BACK, Order.DISCARD, Order.SPEED, Order.RESET):
+        assert not cockpit.order(order, "two")
+    now = cockpit.now()
+    assert now.taken
+    assert now.given is not None
+    assert now.given.keys == {"KeyI"}
+    assert cockpit.state.operator == "one"
+    assert cockpit.order(Order.HAND_BACK, "one")
+    assert not cockpit.now().taken
+    assert cockpit.order(Order.TAKE_OVER, "two")
+
+
+def test_without_a_heartbeat_the_input_is_empty_and_later_the_lease_is_free(cockpit, clock):
+    cockpit.order(Order.TAKE_OVER, "one")
+    cockpit.give("one", KEYS)
+    clock.s += LOST_AFTER_S - 0.01
+    assert cockpit.now().given is not None
+    clock.s += 0.02
+    assert cockpit.now().given is None
+    assert cockpit.now().taken
+    assert not cockpit.order(Order.TAKE_OVER, "two")
+    assert cockpit.give("one", Given())
+    assert cockpit.now().given is not None
+    clock.s += FREE_AFTER_S + 0.01
+    now = cockpit.now()
+    assert not now.taken
+    assert now.abandoned
+    assert cockpit.order(Order.TAKE_OVER, "two")
+    now = cockpit.now()
+    assert now.taken
+    assert not now.abandoned
+    # What the one before held is not the next one's.
+    assert now.given is not None
+    assert not now.given.keys
+
+
+def test_a_page_that_is_left_abandons_and_does_not_hand_back(cockpit):
+    cockpit.order(Order.TAKE_OVER, "one")
+    cockpit.now()
+    cockpit.leave("two")
+    assert cockpit.now().taken
+    cockpit.leave("one")
+    assert cockpit.now().abandoned
+
+
+def test_anyone_may_stop_and_the_stop_is_latched(cockpit):
+    cockpit.order(Order.TAKE_OVER, "one")
+    assert cockpit.order(Order.STOP, "two")
+    assert cockpit.now().stopped
+    cockpit.order(Order.HAND_BACK, "one")
+    assert cockpit.now().stopped
+    assert cockpit.order(Order.RESET, "two")
+    assert not cockpit.now().stopped
+    # A reset by itself moves nothing.
+    assert cockpit.paused
+    assert cockpit.order(Order.RESUME, "two")
+    cockpit.wait()
+    assert not cockpit.paused
+
+
+def test_a_reset_without_a_stop_does_nothing(cockpit):
+    cockpit.order(Order.RESET, "one")
+    cockpit.now()
+    assert not cockpit.paused
+
+
+def test_speed_is_clamped(cockpit):
+    for wanted, given in ((1e9, FASTEST), (-3.0, SLOWEST), (float("nan"), 1.0), (2.0, 2.0)):
+        cockpit.order(Order.SPEED, "one", wanted)
+        cockpit.now()
+        assert cockpit.speed == given
+
+
+def test_a_paused_run_goes_step_by_step(cockpit):
+    cockpit.order(Order.PAUSE, "one")
+    for _ in range(3):
+        cockpit.order(Order.STEP, "one")
+    for _ in range(3):
+        cockpit.wait()
+    assert cockpit.paused
+    cockpit.order(Order.SAVE, "one")
+    # Ending the episode lets it go on to its end.
+    cockpit.wait()
+    assert cockpit.ending is Ending.SAVE
+    cockpit.begin_episode()
+    assert cockpit.ending is None
+    cockpit.close()
+    cockpit.wait()
+
+
+@pytest.mark.parametrize(
+    ("order", "outcome"),
+    [
+        (Order.SUCCESS, Outcome.SUCCESS),
+        (Order.FAILURE, Outcome.FAILURE),
+        (Order.SAVE, None),
+        (Order.DISCARD, None),
+    ],
+)
+def test_marks(cockpit, order, outcome):
+    cockpit.order(order, "one")
+    cockpit.now()
+    assert cockpit.mark is outcome
+    assert cockpit.ending is not None
+
+
+def test_a_queue_that_nobody_drains_stays_short(cockpit):
+    taken = [cockpit.order(Order.PAUSE, "one") for _ in range(3 * MOST_ORDERS)]
+    assert sum(taken) == MOST_ORDERS
+    assert cockpit.order(Order.STOP, "one")
+    assert cockpit.now().stopped
+
+
+def test_who_may_not_drive_cannot(clock):
+    cockpit = Cockpit(clock=clock)
+    assert not cockpit.order(Order.TAKE_OVER, "one")
+    assert not cockpit.order(Order.HAND_BACK, "one")
+    assert cockpit.order(Order.PAUSE, "one")
+
+
+def test_a_device_that_is_plugged_in_here_drives_for_the_operator_only(cockpit, clock):
+    axes = SixAxes(np.array([0.5, 0, 0, 0, 0, 0]))
+    cockpit.turn_axes(axes)
+    assert cockpit.now().given is None
+    cockpit.order(Order.TAKE_OVER, "one")
+    now = cockpit.now()
+    assert now.given is not None
+    assert now.given.axes is axes
+    assert now.given.held
+    clock.s += LOST_AFTER_S - 0.1
+    cockpit.give("one", Given())
+    clock.s += 0.2
+    now = cockpit.now()
+    assert now.given is not None
+    assert now.given.axes is None
+
+
+@pytest.mark.parametrize(
+    ("given", "held"),
+    [
+        (Given(), False),
+        (KEYS, True),
+        (Given(pad=Gamepad((1.0, 0.0, 0.0, 0.0), frozenset({0}))), False),
+        (Given(pad=Gamepad((0.0, 0.0, 0.0, 0.0), frozenset({4}))), True),
+        (Given(goal=np.zeros(7)), True),
+        (Given(axes=SixAxes(np.zeros(6))), False),
+        (Given(axes=SixAxes(np.zeros(6), (True, False))), True),
+    ],
+)
+def test_dead_man(given, held):
+    assert given.held is held
+
+
+def test_a_call_from_the_page_returns_at_once(cockpit):
+    calls: list[Callable[[], object]] = [
+        lambda: cockpit.order(Order.PAUSE, "one"),
+        lambda: cockpit.give("one", KEYS),
+        lambda: cockpit.state,
+        lambda: cockpit.leave("one"),
+    ]
+    for call in calls:
+        call()
+    assert cockpit.paused
