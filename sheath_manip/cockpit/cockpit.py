@@ -207,6 +207,7 @@ class Cockpit:
         self._drain()
         self.ending = None
         self._abandoned = False
+        self.give_turn(Turn.POLICY)
 
     @property
     def mark(self) -> Outcome | None:
