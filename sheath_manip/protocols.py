@@ -15,6 +15,7 @@ from sheath_manip.types import (
     Observation,
     Outcome,
     SceneGeom,
+    ScenePose,
     Step,
     TaskSpec,
     Transition,
@@ -64,8 +65,12 @@ class Environment(Protocol):
         """The visible shapes, constant between resets."""
         ...
 
-    def body_poses(self) -> NDArray[np.float64]:
-        """(b, 7) position (m) and wxyz quaternion of every body in the world frame, now."""
+    def pose(self) -> ScenePose:
+        """How the scene stands now."""
+        ...
+
+    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
+        """How it stood in `state`, at which the episode then stands; nothing is observed."""
         ...
 
     def close(self) -> None:

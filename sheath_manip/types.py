@@ -103,6 +103,20 @@ class ActionSpec:
 
 
 @dataclass(frozen=True)
+class FirstView:
+    """How viewers look at a task's tool before a person turns the view."""
+
+    radius_m: float
+    """around the tool, that is seen"""
+    azimuth_deg: float
+    """of the way in which the camera looks, from +x towards +y"""
+    elevation_deg: float
+    """above the horizon, of where the camera is"""
+    follows: bool = False
+    """whether the view goes along with the tool"""
+
+
+@dataclass(frozen=True)
 class TaskSpec:
     """What the core is told about a task."""
 
@@ -119,6 +133,8 @@ class TaskSpec:
     """the entry of `Episode.metrics` by which the task is judged; more is better"""
     plane: tuple[str, str] | None = None
     """the two features that span the task's natural plane (metres), where it has one"""
+    first_view: FirstView | None = None
+    """None: the whole scene, from above"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +271,7 @@ class SceneGeom:
     """One visible shape of the scene, fixed to a body, for viewers that know no simulator."""
 
     body: int
-    """row in the environment's `body_poses()`"""
+    """row in `ScenePose.bodies`"""
     shape: str
     """`box`, `sphere`, `capsule`, `cylinder`, `ellipsoid`, `mesh` or `picture` (textured plane)"""
     size: NDArray[np.float64]
@@ -273,3 +289,29 @@ class SceneGeom:
     """(t, 3), of a mesh"""
     picture: NDArray[np.uint8] | None = None
     """(h, w, 3) RGB, of a picture: row 0 lies at +y, column 0 at -x"""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface that deforms, as it is at one moment."""
+
+    vertices_m: NDArray[np.float32]
+    """(v, 3) in the world frame"""
+    faces: NDArray[np.int32]
+    """(t, 3); of a sheet that is cut they may differ from moment to moment"""
+    rgb: tuple[float, float, float]
+    """each 0..1"""
+
+
+@dataclass(frozen=True, eq=False)
+class ScenePose:
+    """How a scene stands at one moment, in the world frame."""
+
+    bodies: NDArray[np.float64]
+    """(b, 7) position (m) and wxyz quaternion of every body"""
+    tool_m: NDArray[np.float64] | None = None
+    """(3,) the point whose path viewers draw: tool, car, player"""
+    contacts_m: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    """(c, 3) where bodies touch"""
+    surfaces: tuple[Surface, ...] = ()
+    """always as many"""

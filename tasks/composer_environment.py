@@ -16,6 +16,8 @@ from sheath_manip.types import (
     Observation,
     Outcome,
     SceneGeom,
+    ScenePose,
+    Surface,
     TaskSpec,
     Transition,
 )
@@ -59,6 +61,14 @@ class SheathTask(composer.Task):
     @abstractmethod
     def recall(self, memory: NDArray[np.float64]) -> None:
         """Take over a `memory()`."""
+
+    def tool_m(self, physics: mjcf.Physics) -> NDArray[np.float64] | None:  # noqa: ARG002
+        """(3,) the point in the world whose path viewers draw; None where there is none."""
+        return None
+
+    def surfaces(self, physics: mjcf.Physics) -> tuple[Surface, ...]:  # noqa: ARG002
+        """What deforms, as it is now; always as many."""
+        return ()
 
     def commanded(self) -> Commanded | None:
         """What became of the last action; None where no command filter lies in its way."""
@@ -137,15 +147,13 @@ class ComposerEnvironment:
 
     def restore(self, state: NDArray[np.float64]) -> Observation:
         """Continue from a `state()`; bit-exact from there on."""
-        model, data = self.physics.model.ptr, self.physics.data.ptr
-        simulator = state[-mujoco.mj_stateSize(model, _STATE) :]
-        self._steps = int(state[0])
-        mujoco.mj_setState(model, data, simulator, _STATE)
-        self.task.recall(state[1 : len(state) - len(simulator)])
-        # After an episode's end composer would take the next step for the start of another one.
-        self._environment._reset_next_step = False
-        self.physics.forward()
+        self._take(state)
         return self.observe()
+
+    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
+        """How the scene stood in `state`, at which the episode then stands."""
+        self._take(state)
+        return self.pose()
 
     def observe(self) -> Observation:
         """Look at the present state afresh."""
@@ -161,14 +169,32 @@ class ComposerEnvironment:
         """The visible shapes."""
         return scene_geoms(self.physics.model.ptr)
 
-    def body_poses(self) -> NDArray[np.float64]:
-        """(b, 7) position (m) and wxyz quaternion of every body in the world frame."""
-        data = self.physics.data
-        return np.concatenate([data.xpos, data.xquat], axis=1)
+    def pose(self) -> ScenePose:
+        """How the scene stands now."""
+        physics = self.physics
+        data = physics.data.ptr
+        # Pairs within their margin are listed, too, before they touch.
+        touching = data.contact.dist <= 0
+        return ScenePose(
+            np.concatenate([data.xpos, data.xquat], axis=1),
+            self.task.tool_m(physics),
+            data.contact.pos[touching],
+            self.task.surfaces(physics),
+        )
 
     def close(self) -> None:
         """Free physics and renderer."""
         self._environment.close()
+
+    def _take(self, state: NDArray[np.float64]) -> None:
+        model, data = self.physics.model.ptr, self.physics.data.ptr
+        simulator = state[-mujoco.mj_stateSize(model, _STATE) :]
+        self._steps = int(state[0])
+        mujoco.mj_setState(model, data, simulator, _STATE)
+        self.task.recall(state[1 : len(state) - len(simulator)])
+        # After an episode's end composer would take the next step for the start of another one.
+        self._environment._reset_next_step = False
+        self.physics.forward()
 
     def _observation(self, time_step: dm_env.TimeStep) -> Observation:
         return self._split(time_step.observation)

@@ -58,13 +58,13 @@ def _mesh(model: mujoco.MjModel, geom: int) -> tuple[NDArray[np.float32], NDArra
     )
 
 
-def _picture(model: mujoco.MjModel, geom: int) -> NDArray[np.uint8] | None:
+def _picture(model: mujoco.MjModel, geom: int) -> NDArray[np.uint8]:
+    """The texture of a plane, or one pixel of its colour where it has none."""
     material = model.geom_matid[geom]
-    if material < 0:
-        return None
-    texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
+    role = mujoco.mjtTextureRole.mjTEXROLE_RGB
+    texture = -1 if material < 0 else int(model.mat_texid[material, role])
     if texture < 0:
-        return None
+        return np.rint(255 * np.array([[_rgba(model, geom)[:3]]])).astype(np.uint8)
     height, width = int(model.tex_height[texture]), int(model.tex_width[texture])
     channels, start = int(model.tex_nchannel[texture]), int(model.tex_adr[texture])
     flat = model.tex_data[start : start + height * width * channels]

@@ -17,6 +17,7 @@ from sheath_manip.types import (
     Observation,
     Outcome,
     SceneGeom,
+    ScenePose,
     TaskSpec,
     Transition,
 )
@@ -79,8 +80,12 @@ class Corridor:
         upright = np.array([1.0, 0.0, 0.0, 0.0])
         return [SceneGeom(0, "box", size, (1.0, 0.0, 0.0, 1.0), place, upright)]
 
-    def body_poses(self) -> NDArray[np.float64]:
-        return np.array([[self.side_m, self.done, 0.0, 1.0, 0.0, 0.0, 0.0]])
+    def pose(self) -> ScenePose:
+        return ScenePose(np.array([[self.side_m, self.done, 0.0, 1.0, 0.0, 0.0, 0.0]]))
+
+    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
+        self.restore(state)
+        return self.pose()
 
     def close(self) -> None:
         pass

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit.cockpit import Cockpit, Ending
 from sheath_manip.discarding import DiscardedError
 from sheath_manip.protocols import Environment
-from sheath_manip.types import Action, Observation, Outcome, SceneGeom, TaskSpec, Transition
+from sheath_manip.types import (
+    Action,
+    Observation,
+    Outcome,
+    SceneGeom,
+    ScenePose,
+    TaskSpec,
+    Transition,
+)
 
 
 class OperatedEnvironment:
@@ -59,9 +67,13 @@ class OperatedEnvironment:
         """The visible shapes."""
         return self.environment.scene()
 
-    def body_poses(self) -> NDArray[np.float64]:
-        """(b, 7) of every body."""
-        return self.environment.body_poses()
+    def pose(self) -> ScenePose:
+        """How the scene stands now."""
+        return self.environment.pose()
+
+    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
+        """How it stood in `state`."""
+        return self.environment.pose_at(state)
 
     def close(self) -> None:
         """Free what the simulator holds."""

@@ -2,29 +2,26 @@
 
 import contextlib
 import threading
-from collections import deque
-from collections.abc import Mapping
 from types import TracebackType
 from typing import Self
 
-import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
+from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
-from sheath_manip.dashboard.tally import HISTORY_STEPS, Tally
+from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dataset.samples import Samples
-from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment
-from sheath_manip.types import Actor, Episode, EpisodeInfo, SceneGeom, Step, TaskSpec
+from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 
-DRAW_RATE_HZ = 12.0
+DRAW_RATE_HZ = 20.0
 
 
 class Dashboard:
@@ -46,22 +43,20 @@ class Dashboard:
 
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
-        self._plane = [spec.feature_names.index(name) for name in spec.plane or ()]
         self.cockpit = cockpit or Cockpit()
         label = f"sheath · {spec.name}"
         self._server = GuardedServer.open(host, port, token, label, self.cockpit)
+        self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
-        self._page = Page(Desk(self._server.viser, spec, self._drawer.wake), live(self.cockpit))
-
+        self._playhead = Playhead(self._drawer.wake)
+        self._page = Page(
+            Desk(self._server.viser, spec, self._drawer.wake),
+            live(spec, self.cockpit, self._playhead),
+        )
         self._lock = threading.Lock()
         self._tally = Tally()
-        self._trail: deque[tuple[float, float, Actor]] = deque(maxlen=HISTORY_STEPS)
-        self._geoms: tuple[SceneGeom, ...] = ()
-        self._poses = np.zeros((0, 7))
-        self._images: Mapping[str, NDArray[np.uint8]] = {}
-        self._training: NDArray[np.float64] | None = None
-
-        self._closed = threading.Event()
+        self._film: Film | None = None
+        self._training: Samples | None = None
         self._server.viser.on_client_connect(self._greet)
         self.cockpit.on_change = self._drawer.wake
 
@@ -75,46 +70,30 @@ class Dashboard:
         """Whether the person holds the run."""
         return self.cockpit.paused
 
-    def show_training(self, positions: NDArray) -> None:
-        """Show where the policy was fitted: (n, 2) metres in `TaskSpec.plane`."""
-        points = np.array(positions, dtype=np.float64)
-        if points.ndim != 2 or points.shape[1] != 2:
-            raise ParameterError(f"positions have shape {points.shape}; wanted (n, 2) metres")
-        with self._lock:
-            self._training = points
-        self._drawer.wake()
-
     def on_fit(self, states: Samples) -> None:
-        """Show where policy and support were fitted, on tasks with a plane."""
-        if self._plane:
-            self.show_training(states.features[:, self._plane])
+        """Show where policy and support were fitted."""
+        self._training = states
+        self._drawer.wake()
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene."""
-        geoms = tuple(environment.scene())
-        poses = np.array(environment.body_poses())
-        with self._lock:
-            self._tally.start(info)
-            self._trail.clear()
-            self._geoms, self._poses, self._images = geoms, poses, {}
-        self._drawer.wake()
+        self._film = Film(info, tuple(environment.scene()), environment.pose())
+        self._playhead.load(self._film)
 
     def on_step(self, environment: Environment, step: Step) -> None:
         """Take note of the step; blocks while the person holds the run paused."""
-        poses = np.array(environment.body_poses())
-        with self._lock:
-            self._tally.step(step)
-            self._poses, self._images = poses, step.observation.images
-            if self._plane:
-                x, y = step.observation.features[self._plane]
-                self._trail.append((float(x), float(y), step.decision.actor))
+        assert self._film is not None, "on_start comes before on_step"
+        self._film.append(step, environment.pose())
         self._drawer.wake()
         self.cockpit.wait()
 
     def on_end(self, episode: Episode) -> None:
         """Show how the episode ended."""
+        assert self._film is not None, "on_start comes before on_end"
         with self._lock:
-            self._tally.end(episode.outcome)
+            self._film.outcome = episode.outcome
+            share = Share.of(self._film.trace.so_far())
+            self._tally.end(episode.info, share, episode.outcome)
         self._drawer.wake()
 
     def pause(self) -> None:
@@ -156,20 +135,32 @@ class Dashboard:
         self._drawer.wake()
 
     def _latest(self) -> Moment | None:
+        shown = self._playhead.shown
+        if shown is None:
+            return None
+        film, at, present = shown
+        trace = film.trace.so_far()
+        last = at + 1 == len(trace)
         with self._lock:
-            figures = self._tally.figures
-            if figures is None:
-                return None
-            return Moment(
-                self._geoms,
-                self._poses,
-                figures,
-                tuple(self._tally.scores),
-                tuple(self._trail),
-                self._images,
-                self._training,
-                self.cockpit.paused,
-            )
+            series, outcomes = self._tally.share(film.info), self._tally.outcomes(film.info)
+            outcome = film.outcome
+        if outcome is None:
+            series += Share.of(trace.until(at + 1))
+        return Moment(
+            info=film.info,
+            scene=film.scene,
+            pose=film.first_pose if at < 0 else film.poses[at],
+            trace=trace,
+            steps=film.steps,
+            at=at,
+            step=None if at < 0 else film.steps[at],
+            outcome=outcome if last else None,
+            series=series,
+            outcomes=outcomes,
+            training=self._training,
+            paused=self.cockpit.paused,
+            present=present,
+        )
 
     def _draw_latest(self) -> None:
         if not self._page.watched:

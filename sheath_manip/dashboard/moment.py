@@ -1,31 +1,45 @@
 """All that one drawing of the page shows."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sheath_manip.dashboard.tally import Figures, Scored
-from sheath_manip.types import Actor, SceneGeom
+from sheath_manip.dashboard.tally import Share
+from sheath_manip.dashboard.trace import Trace
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.types import EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """All that one drawing shows."""
+    """One step of an episode, the present one or one that is looked back at."""
 
+    info: EpisodeInfo
     scene: tuple[SceneGeom, ...]
     """the same object throughout an episode"""
-    body_poses: NDArray[np.float64]
-    """(b, 7)"""
-    figures: Figures
-    scores: tuple[Scored, ...]
-    """of the latest steps"""
-    trail: tuple[tuple[float, float, Actor], ...]
-    """x and y (metres, in `TaskSpec.plane`) and who acted, of the latest steps"""
-    images: Mapping[str, NDArray[np.uint8]]
-    """(h, w, 3) RGB by camera"""
-    training: NDArray[np.float64] | None
-    """(n, 2) metres in `TaskSpec.plane`; the same object until the policy is fitted anew"""
-    paused: bool
+    pose: ScenePose
+    """after the step"""
+    trace: Trace
+    """of the whole episode, as far as it is known"""
+    steps: Sequence[Step]
+    """of the same; it may have grown meanwhile"""
+    at: int
+    """the step, from 0; -1 before the first"""
+    step: Step | None
+    """the one at `at`"""
+    outcome: Outcome | None
+    """of the episode, where it has ended with this step"""
+    series: Share
+    """of all episodes of the same method and purpose, this one as far as `at` included"""
+    outcomes: Mapping[Outcome, int]
+    """of those that have ended"""
+    training: Samples | None
+    """what the policy was fitted to; the same object until it is fitted anew"""
+    paused: bool = False
     """whether a person holds the run"""
+    present: bool = True
+    """whether this is the latest step there is"""
+
+    @property
+    def episode(self) -> Share:
+        """Of this episode as far as `at`."""
+        return Share.of(self.trace.until(self.at + 1))

@@ -1,11 +1,19 @@
 """One colour for each meaning, the same in the panel, the score plot and the support picture."""
 
-from sheath_manip.types import Actor, Outcome
+from sheath_manip.types import Actor, Outcome, Reason
 
 Rgb = tuple[int, int, int]
 
 # Blue, vermillion, purple and yellow of Okabe and Ito, which colour-blind readers can tell apart.
 ACTOR: dict[Actor, Rgb] = {Actor.POLICY: (0, 114, 178), Actor.EXPERT: (213, 94, 0)}
+REASON: dict[Reason, Rgb] = {
+    Reason.OUTSIDE: (213, 94, 0),
+    Reason.HOLD: (240, 175, 120),
+    Reason.PERSON: (0, 158, 115),
+    Reason.NO_SCORE: (90, 40, 20),
+    Reason.INVALID_PROPOSAL: (90, 40, 20),
+}
+"""why the expert acts, where it is not for one of the gate's plain choices"""
 OUTCOME: dict[Outcome, Rgb] = {
     Outcome.SUCCESS: (0, 135, 100),
     Outcome.FAILURE: (190, 30, 45),
@@ -15,6 +23,22 @@ LIMITED: Rgb = (204, 121, 167)
 SUPPORT: Rgb = (240, 228, 66)
 INK: Rgb = (34, 39, 46)
 GREY: Rgb = (110, 116, 124)
+
+
+def linear(rgb: Rgb) -> Rgb:
+    """`rgb` as viser's lines want it: as linear light (IEC 61966-2-1)."""
+    red, green, blue = (
+        round(255 * (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4))
+        for c in (channel / 255 for channel in rgb)
+    )
+    return red, green, blue
+
+
+def turn(by_expert: bool, reason: Reason) -> Rgb:
+    """The colour of a step: who acted, and of the expert's why."""
+    if not by_expert:
+        return ACTOR[Actor.POLICY]
+    return REASON.get(reason, ACTOR[Actor.EXPERT])
 
 
 def css(rgb: Rgb) -> str:

@@ -22,6 +22,8 @@ class Desk:
     spec: TaskSpec
     wake: Callable[[], None]
     """ask for a drawing soon; returns at once"""
+    allows: Callable[[int | None], bool] = lambda _: True
+    """whether the browser of that client id may change what the run does"""
 
 
 class Part(Protocol):
@@ -31,7 +33,7 @@ class Part(Protocol):
     """
 
     def draw(self, moment: Moment) -> None:
-        """Show `moment`; called on the drawer's thread, some 12 times a second, so it is cheap."""
+        """Show `moment`; called on the drawer's thread, up to 20 times a second."""
         ...
 
 

@@ -2,125 +2,111 @@
 
 from collections.abc import Sequence
 from dataclasses import fields
-from itertools import product
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD, aim
+from sheath_manip.dashboard.following import Following
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.types import SceneGeom
+from sheath_manip.types import SceneGeom, ScenePose
 
+WORLD = "/world"
+"""the frame below which all of a page's scene hangs"""
 # viser draws row 0 of an image at -y and turns its face to -z; this is half a turn about x.
 IMAGE_TURN_WXYZ = np.array([0.0, 1.0, 0.0, 0.0])
 CAPSULE_SEGMENTS = 24
-FIELD_OF_VIEW_RAD = np.deg2rad(45.0)
-# Down at the scene from its -y side.
-VIEW_DIRECTION = np.array([0.0, np.cos(np.deg2rad(67.0)), -np.sin(np.deg2rad(67.0))])
-VIEW_MARGIN = 1.15
+FARTHEST_M = 1000.0
+"""that is seen, at least"""
 
 
 class SceneView:
-    """Shows one scene and follows its bodies."""
+    """Shows one scene and follows its bodies; the view follows the tool where it is asked to.
 
-    def __init__(self, desk: Desk) -> None:
+    Everything hangs below one frame, `/world`. To follow the tool that frame is shifted the other
+    way, so that the camera stays where the person has it.
+    """
+
+    def __init__(self, desk: Desk, following: Following | None = None) -> None:
         self._server = desk.viser
-        self._root: viser.FrameHandle | None = None
+        self._first_view = desk.spec.first_view
+        self._following = following
+        self._root = self._server.scene.add_frame(WORLD, show_axes=False)
+        self._scene: viser.FrameHandle | None = None
         self._geoms: tuple[SceneGeom, ...] = ()
         self._frames: dict[int, viser.FrameHandle] = {}
         self._shown = np.zeros((0, 7))
-        # Once only: afterwards the camera is where the person wants it.
-        self._aimed = False
+        self._home_m: NDArray[np.float64] | None = None
 
     def draw(self, moment: Moment) -> None:
         """Show the moment's scene as it stands."""
-        self.build(moment.scene, moment.body_poses)
-        self.move(moment.body_poses)
+        self.build(moment.scene, moment.pose)
+        self.move(moment.pose)
 
-    def build(self, scene: Sequence[SceneGeom], body_poses: NDArray[np.float64]) -> None:
+    def build(self, scene: Sequence[SceneGeom], pose: ScenePose) -> None:
         """Show `scene` in place of the one before, or keep that where the two are equal.
 
         Raises:
             ParameterError: a shape of a kind that is not known, or without the arrays it needs.
         """
-        if self._root is not None and _same_scene(scene, self._geoms):
+        if self._scene is not None and same_scene(scene, self._geoms):
             return
-        if self._root is not None:
-            self._root.remove()
+        if self._scene is not None:
+            self._scene.remove()
         self._geoms = ()
-        self._root = self._server.scene.add_frame("/world", show_axes=False)
+        name = f"{WORLD}/scene"
+        self._scene = self._server.scene.add_frame(name, show_axes=False)
         self._frames = {
-            body: self._server.scene.add_frame(f"/world/{body}", show_axes=False)
+            body: self._server.scene.add_frame(f"{name}/{body}", show_axes=False)
             for body in sorted({geom.body for geom in scene})
         }
         for index, geom in enumerate(scene):
-            _add_geom(self._server.scene, f"/world/{geom.body}/{index}", geom)
+            _add_geom(self._server.scene, f"{name}/{geom.body}/{index}", geom)
         self._geoms = tuple(scene)
-        self._shown = np.full_like(body_poses, np.nan)
-        if not self._aimed:
-            self._aim_camera(body_poses)
-            self._aimed = True
+        self._shown = np.full_like(pose.bodies, np.nan)
+        # Once only: afterwards the camera is where the person wants it.
+        if self._home_m is None:
+            self._aim_camera(pose)
 
-    @property
-    def shown(self) -> tuple[SceneGeom, ...]:
-        """What is shown: the same object until a scene comes that differs."""
-        return self._geoms
-
-    def move(self, body_poses: NDArray[np.float64]) -> None:
-        """Put every body to its place, (b, 7) as from `Environment.body_poses`."""
+    def move(self, pose: ScenePose) -> None:
+        """Put every body to its place."""
         with np.errstate(invalid="ignore"):
-            still = (np.abs(body_poses - self._shown) < 1e-6).all(axis=1)
+            still = (np.abs(pose.bodies - self._shown) < 1e-6).all(axis=1)
         for body in np.flatnonzero(~still):
             if (frame := self._frames.get(int(body))) is not None:
-                frame.position = body_poses[body, :3]
-                frame.wxyz = body_poses[body, 3:]
-        self._shown = body_poses
+                frame.position = pose.bodies[body, :3]
+                frame.wxyz = pose.bodies[body, 3:]
+        self._shown = pose.bodies
+        if self._following is not None and self._following.on and pose.tool_m is not None:
+            assert self._home_m is not None
+            self._root.position = self._home_m - pose.tool_m
+        elif np.any(self._root.position):
+            self._root.position = np.zeros(3)
 
-    def _aim_camera(self, body_poses: NDArray[np.float64]) -> None:
-        if not self._geoms:
+    def _aim_camera(self, pose: ScenePose) -> None:
+        aimed = aim(self._geoms, pose, self._first_view)
+        if aimed is None:
             return
-        # A picture is the ground that things stand on, often much larger than what happens there.
-        shown = [geom for geom in self._geoms if geom.shape != "picture"] or self._geoms
-        centres = np.array([body_poses[geom.body, :3] + geom.position_in_body for geom in shown])
-        reach = np.array([[_reach(geom)] for geom in shown])
-        low, high = (centres - reach).min(0), (centres + reach).max(0)
-        look_at = (low + high) / 2
-        distance = VIEW_MARGIN * _distance_to_see(low - look_at, high - look_at)
         # Moves the cameras of pages that are open already, too: it is the first that they hear.
         camera = self._server.initial_camera
-        camera.far = max(1000.0, 10 * distance)
+        camera.far = max(FARTHEST_M, 10 * float(np.linalg.norm(aimed.look_at_m - aimed.position_m)))
         camera.fov = FIELD_OF_VIEW_RAD
-        camera.position = look_at - distance * VIEW_DIRECTION
-        camera.look_at = look_at
+        camera.position = aimed.position_m
+        camera.look_at = aimed.look_at_m
+        self._home_m = aimed.look_at_m
 
 
-def _distance_to_see(low: NDArray[np.float64], high: NDArray[np.float64]) -> float:
-    """How far back from the origin a camera along VIEW_DIRECTION sees the whole box."""
-    corners = np.array(list(product(*zip(low, high, strict=True))))
-    right = np.cross(VIEW_DIRECTION, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    across, up = corners @ right, corners @ np.cross(right, VIEW_DIRECTION)
-    # In a window that is higher than wide the sides are cut off.
-    wanted = np.maximum(np.abs(across), np.abs(up)) / np.tan(FIELD_OF_VIEW_RAD / 2)
-    return float((wanted - corners @ VIEW_DIRECTION).max())
-
-
-def _same_scene(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
+def same_scene(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
+    """Whether the two show the same shapes."""
     return len(left) == len(right) and all(map(_same_geom, left, right))
 
 
 def _same_geom(left: SceneGeom, right: SceneGeom) -> bool:
     pairs = ((getattr(left, each.name), getattr(right, each.name)) for each in fields(SceneGeom))
     return left is right or all(a is b or np.array_equal(a, b) for a, b in pairs)
-
-
-def _reach(geom: SceneGeom) -> float:
-    """The radius (metres) around the shape's origin that it surely stays within."""
-    if geom.vertices is not None:
-        return float(np.linalg.norm(geom.vertices * geom.size, axis=1).max(initial=0.0))
-    return float(np.abs(geom.size).max())
 
 
 def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dashboard import palette
 from sheath_manip.support.plane import PlaneLevels
-from sheath_manip.types import Actor, SceneGeom
+from sheath_manip.types import Actor, SceneGeom, ScenePose
 
 WIDTH_PX = 480
 MAX_HEIGHT_PX = 480
@@ -35,14 +35,14 @@ class Ground:
     """(2,)"""
 
 
-def ground_of(scene: Sequence[SceneGeom], body_poses: NDArray[np.float64]) -> Ground | None:
+def ground_of(scene: Sequence[SceneGeom], pose: ScenePose) -> Ground | None:
     """Return the largest picture of `scene`, or None where it shows none."""
     pictures = [geom for geom in scene if geom.shape == "picture" and geom.picture is not None]
     if not pictures:
         return None
     geom = max(pictures, key=lambda picture: float(picture.size[0] * picture.size[1]))
     assert geom.picture is not None
-    centre_m = body_poses[geom.body, :2] + geom.position_in_body[:2]
+    centre_m = pose.bodies[geom.body, :2] + geom.position_in_body[:2]
     return Ground(geom.picture, centre_m, geom.size[:2])
 
 

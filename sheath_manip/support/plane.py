@@ -35,6 +35,7 @@ def plane_levels(
     nus: Sequence[float] = NUS,
     resolution: int = 160,
     seed: int = 0,
+    bandwidth_factor: float = BANDWIDTH_FACTOR,
 ) -> PlaneLevels:
     """Fit a one-class SVM with k(x, y) = exp(-|x - y|²/c) to `positions` for each of `nus`.
 
@@ -43,6 +44,7 @@ def plane_levels(
         nus: the share of positions allowed outside, each in 0..1.
         resolution: grid points along the longer side.
         seed: of the random choice.
+        bandwidth_factor: c, as a multiple of the median squared distance.
 
     Raises:
         ParameterError: positions that are not (n, 2), not finite, or all in one place.
@@ -60,7 +62,7 @@ def plane_levels(
         raise ParameterError(
             f"{len(points)} positions in one place have no support to draw; wanted two places"
         )
-    bandwidth = BANDWIDTH_FACTOR * float(np.median(apart))
+    bandwidth = bandwidth_factor * float(np.median(apart))
 
     # Two kernel widths beyond the outermost position every boundary has closed.
     margin = 2 * np.sqrt(bandwidth)

@@ -12,7 +12,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import ActionSpec, Outcome, TaskSpec
+from sheath_manip.types import ActionSpec, FirstView, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.driving.track import Track
 from tasks.rendering import PyramidCamera
@@ -130,6 +130,7 @@ class DrivingTask(SheathTask):
             max_steps=int(1.5 * self.scenario.laps * lap_steps),
             metric="laps",
             plane=("x_m", "y_m"),
+            first_view=FirstView(22.0, azimuth_deg=90.0, elevation_deg=60.0, follows=True),
         )
 
     def _add_cameras(self) -> None:
@@ -164,6 +165,11 @@ class DrivingTask(SheathTask):
     def pose(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         """(3,) x (m), y (m) and heading (rad) of the car in the world frame."""
         return np.array(physics.bind(self._joints).qpos)
+
+    def tool_m(self, physics: mjcf.Physics) -> NDArray[np.float64]:
+        """(3,) where the car is."""
+        x, y, _ = self.pose(physics)
+        return np.array([x, y, 0.5])
 
     def place(self, physics: mjcf.Physics, pose: NDArray) -> None:
         """Put the car at (3,) x (m), y (m), heading (rad), for tests and for scripted starts."""

@@ -13,7 +13,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import Commanded, Outcome, TaskSpec
+from sheath_manip.types import Commanded, FirstView, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.grasp_clutter.guide import GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
@@ -112,6 +112,7 @@ class GraspTask(SheathTask):
             max_steps=round(self.scenario.time_limit_s / CONTROL_TIMESTEP_S),
             metric="success",
             plane=("tool_x_m", "tool_y_m"),
+            first_view=FirstView(0.45, azimuth_deg=145.0, elevation_deg=25.0),
         )
 
     @property
@@ -167,6 +168,10 @@ class GraspTask(SheathTask):
         mujoco.mj_forward(physics.model.ptr, physics.data.ptr)
         self._tool_m = physics.data.ptr.site_xpos[self._tool].copy()
         self._momenta = self._pool.momenta(physics.data.ptr)
+
+    def tool_m(self, physics: mjcf.Physics) -> NDArray[np.float64]:
+        """(3,) the middle between the fingers."""
+        return physics.data.ptr.site_xpos[self._tool].copy()
 
     def situation(self, physics: mjcf.Physics) -> Situation:
         """Robot and objects as they are."""

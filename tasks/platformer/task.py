@@ -12,7 +12,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import ActionSpec, Outcome, TaskSpec
+from sheath_manip.types import ActionSpec, FirstView, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.platformer.enemies import MOST_ENEMIES
 from tasks.platformer.features import REMEMBERED, Glimpse, Sight, feature_names
@@ -107,6 +107,7 @@ class PlatformerTask(SheathTask):
             feature_names=feature_names(),
             max_steps=round(TIME_LIMIT_S * CONTROL_RATE_HZ),
             metric="distance_tiles",
+            first_view=FirstView(11.0, azimuth_deg=90.0, elevation_deg=12.0, follows=True),
         )
 
     @property
@@ -166,6 +167,10 @@ class PlatformerTask(SheathTask):
         first = model.geom("enemy_0").id
         # An enemy's body and its two eyes.
         model.geom_rgba[first : first + 3 * len(colours) : 3] = np.reshape(colours, (-1, 4))
+
+    def tool_m(self, physics: mjcf.Physics) -> NDArray[np.float64]:  # noqa: ARG002
+        """(3,) where the player is."""
+        return np.array([self.moment.x, 0.0, self.moment.z])
 
     def put(self, physics: mjcf.Physics, moment: Moment) -> None:
         """Continue from `moment`, as if the player had stood there before."""

@@ -201,12 +201,20 @@ def test_ends_by_its_time_limit_at_the_latest_and_starts_again(environment):
 
 def test_viewers_get_shapes_and_poses(environment):
     environment.reset(1)
-    scene, poses = environment.scene(), environment.body_poses()
+    scene, pose = environment.scene(), environment.pose()
+    poses = pose.bodies
     assert poses.ndim == 2
     assert poses.shape[1] == 7
     assert np.isfinite(poses).all()
     np.testing.assert_allclose(np.linalg.norm(poses[:, 3:], axis=1), 1, atol=1e-9)
     assert scene
+    assert pose.contacts_m.shape[1:] == (3,)
+    if pose.tool_m is not None:
+        assert pose.tool_m.shape == (3,)
+        assert np.isfinite(pose.tool_m).all()
+    for surface in pose.surfaces:
+        assert surface.vertices_m.shape[1:] == surface.faces.shape[1:] == (3,)
+        assert surface.faces.max() < len(surface.vertices_m)
     for geom in scene:
         assert geom.shape in SHAPES
         assert 0 <= geom.body < len(poses)
@@ -220,6 +228,22 @@ def test_viewers_get_shapes_and_poses(environment):
             assert geom.picture.shape[2] == 3
     environment.reset(2)
     assert [(g.body, g.shape) for g in environment.scene()] == [(g.body, g.shape) for g in scene]
-    assert environment.body_poses().shape == poses.shape
+    assert environment.pose().bodies.shape == poses.shape
     environment.step(middle(environment))
-    assert not np.array_equal(environment.body_poses(), poses)
+    assert not np.array_equal(environment.pose().bodies, poses)
+
+
+def test_viewers_see_a_state_as_it_was(environment):
+    environment.reset(2)
+    states, poses = [], []
+    for _ in range(3):
+        environment.step(middle(environment))
+        states.append(environment.state())
+        poses.append(environment.pose())
+    for state, pose in zip(reversed(states), reversed(poses), strict=True):
+        again = environment.pose_at(state)
+        np.testing.assert_allclose(again.bodies, pose.bodies, atol=1e-9)
+        assert (again.tool_m is None) == (pose.tool_m is None)
+        if again.tool_m is not None:
+            np.testing.assert_allclose(again.tool_m, pose.tool_m, atol=1e-9)
+        np.testing.assert_array_equal(environment.state(), state)

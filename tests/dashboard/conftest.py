@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.types import (
     ActionSpec,
     Actor,
@@ -21,6 +22,7 @@ from sheath_manip.types import (
     Purpose,
     Reason,
     SceneGeom,
+    ScenePose,
     Step,
     TaskSpec,
     Transition,
@@ -117,7 +119,11 @@ class RingRoad:
     def scene(self) -> Sequence[SceneGeom]:
         return list(self._scene)
 
-    def body_poses(self) -> NDArray[np.float64]:
+    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
+        self.restore(state)
+        return self.pose()
+
+    def pose(self) -> ScenePose:
         poses = np.zeros((7, 7))
         poses[:, 3] = 1
         poses[1, :2] = self._position()
@@ -126,7 +132,7 @@ class RingRoad:
         )
         poses[1, 3:] = (np.cos(heading / 2), 0, 0, np.sin(heading / 2))
         poses[2:, 0] = np.linspace(-12, 12, 5)
-        return poses
+        return ScenePose(poses, np.append(self._position(), 1.0), poses[2:4, :3])
 
     def close(self) -> None:
         pass
@@ -188,6 +194,13 @@ def training() -> NDArray[np.float64]:
     rng = np.random.default_rng(0)
     around = road_at(np.linspace(0, 2 * np.pi, 300))
     return around + rng.normal(0, 0.9, around.shape)
+
+
+def states_at(positions: NDArray) -> Samples:
+    """Training states at (n, 2) positions."""
+    features = np.column_stack([np.full(len(positions), 8.0), positions]).astype(np.float32)
+    count = len(features)
+    return Samples({}, features, np.zeros((count, 1), np.float32), np.zeros(count, np.int64))
 
 
 @pytest.fixture

@@ -8,18 +8,18 @@ import pytest
 
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.dashboard import Dashboard, replay
+from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.parts.counts import Counts
-from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.trouble import Trouble
-from sheath_manip.dashboard.tally import Tally
 from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Environment, Listener
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Limited, Outcome, Purpose, Step
-from tests.dashboard.conftest import TOKEN
+from tests.dashboard.conftest import SPEC, TOKEN
 from tests.toy import CORRIDOR, PLAN, Corridor
 from tests.waiting import DEADLINE_S, eventually
 
@@ -60,7 +60,7 @@ def test_stalled_drawing_never_holds_the_loop(
 
 def steps_noted(dashboard: Dashboard) -> int:
     moment = dashboard._latest()
-    return 0 if moment is None else moment.figures.episode.steps
+    return 0 if moment is None else moment.episode.steps
 
 
 def test_pause_blocks_and_resume_releases(
@@ -99,11 +99,6 @@ def test_close_releases_a_paused_run(
     assert not run.is_alive()
 
 
-def test_training_of_a_wrong_shape_is_an_error(dashboard: Dashboard) -> None:
-    with pytest.raises(ParameterError, match=r"\(4, 3\); wanted \(n, 2\)"):
-        dashboard.show_training(np.zeros((4, 3)))
-
-
 def test_fit_shows_its_states_in_the_plane(
     dashboard: Dashboard, environment: Environment, episode: Episode
 ) -> None:
@@ -115,7 +110,7 @@ def test_fit_shows_its_states_in_the_plane(
         assert moment is not None
         assert moment.training is not None
         # x_m and y_m are the second and the third feature.
-        assert moment.training.tolist() == states[:, 1:].tolist()
+        assert chart_of(SPEC).fit(moment.training).tolist() == states[:, 1:].tolist()
 
 
 def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None:
@@ -128,7 +123,7 @@ def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None
     demonstrations = samples_from(store.episodes(Purpose.DEMONSTRATION))
     assert moment is not None
     assert moment.training is not None
-    assert moment.training.tolist() == demonstrations.features.tolist()
+    assert moment.training.features.tolist() == demonstrations.features.tolist()
 
 
 def test_drawer_outlives_failures(caplog: pytest.LogCaptureFixture) -> None:
@@ -197,70 +192,74 @@ def test_drawer_draws_only_what_is_new() -> None:
     assert len(drawn) == 1
 
 
-def test_tally_counts_interventions_and_outcomes(episode: Episode) -> None:
-    tally = Tally()
+def test_tally_counts_interventions_and_outcomes(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
     for outcome in (Outcome.SUCCESS, Outcome.FAILURE):
-        tally.start(episode.info)
-        for step in episode.steps:
-            tally.step(step)
-        tally.end(outcome)
-    figures = tally.figures
-    assert figures is not None
+        play(dashboard, environment, replace(episode, outcome=outcome))
+    moment = dashboard._latest()
+    assert moment is not None
     expert = [step.decision.actor is Actor.EXPERT for step in episode.steps]
     begun = sum(now and not before for before, now in zip([False, *expert], expert, strict=False))
-    assert figures.episode.interventions == begun > 1
-    assert figures.series.interventions == 2 * begun
-    assert figures.episode.expert_steps == sum(expert)
-    assert figures.series.steps == 2 * len(expert)
-    assert figures.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
-    assert len(tally.scores) == len(expert)
+    assert moment.episode.interventions == begun > 1
+    assert moment.series.interventions == 2 * begun
+    assert moment.episode.expert_steps == sum(expert)
+    assert moment.episode.switches == record_of(episode).switches
+    assert moment.series.steps == 2 * len(expert)
+    assert moment.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
+    assert moment.outcome is Outcome.FAILURE
+    assert len(moment.trace) == len(expert)
 
 
-def moment_of(tally: Tally) -> Moment:
-    assert tally.figures is not None
-    return Moment((), np.zeros((0, 7)), tally.figures, tuple(tally.scores), (), {}, None, False)
-
-
-def test_limited_commands_are_told_and_counted(dashboard: Dashboard, episode: Episode) -> None:
-    tally = Tally()
-    tally.start(episode.info)
+def test_limited_commands_are_told_and_counted(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
     counts = dashboard._page.part(Counts)
-    counts.draw(moment_of(tally))
-    assert not counts._limited.visible
     limited = (Limited("<b>speed</b>", 0.25), Limited("workspace", 0.5))
-    for number, step in enumerate(episode.steps[:8]):
-        tally.step(replace(step, limited=limited if number % 4 == 3 else ()))
-    assert tally.figures is not None
-    assert tally.figures.episode.limited_share == tally.figures.series.limited_share == 0.25
-    assert [scored.limited for scored in tally.scores] == [0, 0, 0, 1] * 2
-    counts.draw(moment_of(tally))
-    dashboard._page.part(ScorePlot).draw(moment_of(tally))
+    steps = [
+        replace(step, limited=limited if number % 4 == 3 else ())
+        for number, step in enumerate(episode.steps[:9])
+    ]
+
+    def drawn() -> Moment:
+        moment = dashboard._latest()
+        assert moment is not None
+        counts.draw(moment)
+        return moment
+
+    dashboard.on_start(environment, episode.info)
+    drawn()
+    assert not counts._limited.visible
+    for step in steps[:8]:
+        dashboard.on_step(environment, step)
+    moment = drawn()
+    assert moment.episode.limited_share == moment.series.limited_share == 0.25
+    assert moment.trace.limited.tolist() == [False, False, False, True] * 2
     assert counts._limited.visible
     assert "&lt;b&gt;speed&lt;/b&gt; 25% · workspace 50%" in counts._limited.content
     assert "25% of this episode" in counts._limited.content
-    tally.step(episode.steps[8])
-    counts.draw(moment_of(tally))
+    dashboard.on_step(environment, steps[8])
+    drawn()
     assert "not now" in counts._limited.content
 
 
-def test_demonstration_is_no_intervention(episode: Episode) -> None:
-    tally = Tally()
-    tally.start(episode.info)
+def test_demonstration_is_no_intervention(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
+    steps = tuple(replace(step, proposed=None, labelled=step.executed) for step in episode.steps)
+    play(dashboard, environment, replace(episode, steps=steps))
+    moment = dashboard._latest()
+    assert moment is not None
+    assert moment.episode.interventions == 0
+    assert moment.episode.expert_steps > 0
+    assert moment.episode.queries == len(episode)
+
+
+def play(dashboard: Dashboard, environment: Environment, episode: Episode) -> None:
+    dashboard.on_start(environment, episode.info)
     for step in episode.steps:
-        tally.step(
-            Step(
-                step.observation,
-                step.state,
-                None,
-                step.executed,
-                step.decision,
-                step.executed,
-                0.0,
-            )
-        )
-    assert tally.figures is not None
-    assert tally.figures.episode.interventions == 0
-    assert tally.figures.episode.expert_steps > 0
+        dashboard.on_step(environment, step)
+    dashboard.on_end(episode)
 
 
 class Log(Listener):

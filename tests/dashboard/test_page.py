@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard, replay
-from sheath_manip.dashboard.parts.plane import PlaneSupport
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
+from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
+from tests.dashboard.conftest import states_at
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
@@ -26,10 +27,10 @@ def test_page_shows_and_pauses_a_run(
     tmp_path: Path,
 ) -> None:
     page = browser_page
-    plot, plane = dashboard._page.part(ScorePlot), dashboard._page.part(PlaneSupport)
+    plot, plane = dashboard._page.part(ScorePlot), dashboard._page.part(SupportMap)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
-    dashboard.show_training(training)
+    dashboard.on_fit(states_at(training))
     enough = threading.Event()
 
     def replay_again_and_again() -> None:

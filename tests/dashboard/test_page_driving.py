@@ -10,8 +10,8 @@ from playwright.sync_api import Page
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.parts.cameras import Cameras
-from sheath_manip.dashboard.parts.plane import PlaneSupport
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
+from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.dashboard.parts.trouble import Trouble
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.gates.support import SupportGate
@@ -76,12 +76,12 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         run.start()
 
         def interventions() -> int:
-            figures = dashboard._tally.figures
-            return figures.series.interventions if figures else 0
+            moment = dashboard._latest()
+            return moment.series.interventions if moment else 0
 
         wait_until(lambda: interventions() > 1, "interventions", page)
         wait_until(lambda: part(ScorePlot)._scores.visible, "scores", page)
-        wait_until(lambda: part(PlaneSupport)._image.visible, "support picture", page)
+        wait_until(lambda: part(SupportMap)._image.visible, "support picture", page)
         wait_until(lambda: part(Cameras)._images["overhead"].visible, "camera image", page)
 
         page.locator("canvas").first.wait_for()
@@ -93,8 +93,8 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
             "[...document.images].filter(image => image.naturalWidth > 100).length >= 2"
         )
         page.get_by_role("tab", name="Run").click()
-        counts = page.get_by_role("row").filter(has_text="all sheath learning").get_by_role("cell")
-        wait_until(lambda: int(counts.nth(1).inner_text()) > 1, "count on the page", page)
+        counts = page.get_by_role("row").filter(has_text="interventions").get_by_role("cell")
+        wait_until(lambda: int(counts.nth(2).inner_text()) > 1, "count on the page", page)
         assert not part(Trouble)._box.visible
         enough.set()
         run.join(TIMEOUT_S)

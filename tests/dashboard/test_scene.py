@@ -1,8 +1,9 @@
 import numpy as np
 
 from sheath_manip.dashboard import Dashboard
+from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.scene import FIELD_OF_VIEW_RAD, SceneView
+from sheath_manip.dashboard.scene import SceneView
 from sheath_manip.protocols import Environment
 from tests.dashboard.conftest import SPEC
 
@@ -16,12 +17,12 @@ def test_camera_sees_all_that_stands_on_the_ground(
 ) -> None:
     server = dashboard._server.viser
     environment.reset(0)
-    poses = environment.body_poses()
-    SceneView(desk_of(dashboard)).build(environment.scene(), poses)
+    pose = environment.pose()
+    SceneView(desk_of(dashboard)).build(environment.scene(), pose)
     camera = server.initial_camera
     forward = camera.look_at - camera.position
     forward /= np.linalg.norm(forward)
-    seen = poses[1:, :3] - camera.position
+    seen = pose.bodies[1:, :3] - camera.position
     ahead = seen @ forward
     aside = np.linalg.norm(seen - np.outer(ahead, forward), axis=1)
     assert (ahead > 0).all()
@@ -32,11 +33,11 @@ def test_camera_sees_all_that_stands_on_the_ground(
 
 def test_camera_is_aimed_once(dashboard: Dashboard, environment: Environment) -> None:
     view = SceneView(desk_of(dashboard))
-    view.build(environment.scene(), environment.body_poses())
+    view.build(environment.scene(), environment.pose())
     aimed = dashboard._server.viser.initial_camera.position
-    shown = view.shown
-    view.build(list(environment.scene()), environment.body_poses())
-    assert view.shown is shown
-    view.build(environment.scene()[1:], environment.body_poses())
-    assert view.shown is not shown
+    shown = view._scene
+    view.build(list(environment.scene()), environment.pose())
+    assert view._scene is shown
+    view.build(environment.scene()[1:], environment.pose())
+    assert view._scene is not shown
     assert dashboard._server.viser.initial_camera.position is aimed

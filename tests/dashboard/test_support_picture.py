@@ -58,7 +58,7 @@ def test_levels_refuse_what_has_no_support(positions: NDArray) -> None:
 
 
 def test_ground_lies_where_the_scene_puts_it(environment: Environment) -> None:
-    ground = ground_of(environment.scene(), environment.body_poses())
+    ground = ground_of(environment.scene(), environment.pose())
     assert ground is not None
     picture = SupportPicture(ground, np.zeros((0, 2)), None).draw(Track(np.zeros((0, 2)), ()))
     assert picture.shape == (480, 480, 3)

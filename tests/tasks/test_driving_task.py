@@ -297,7 +297,7 @@ def test_place_and_set_traffic(small):
     expected = small.task.track.pose(start[:, 0], start[:, 1])
     np.testing.assert_allclose(small.task.traffic_poses(np.array(0.0)), expected)
     physics.forward()
-    shown = small.environment.body_poses()
+    shown = small.environment.pose().bodies
     for pose in expected:
         assert np.hypot(*(shown[:, :2] - pose[:2]).T).min() < 1e-9
 

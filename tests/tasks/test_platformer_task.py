@@ -325,6 +325,6 @@ def test_viewers_see_the_stage_as_it_is_laid(play):
     }
     assert {(-4.5, 1.5), (9.0, 2.5), (122.0, 1.5)} <= boxes
     play.press(*[RUN] * 5)
-    shown = play.environment.body_poses()[:, [0, 2]]
+    shown = play.environment.pose().bodies[:, [0, 2]]
     moment = play.task.moment
     assert np.abs(shown - [moment.x, moment.z]).sum(axis=1).min() < 1e-9

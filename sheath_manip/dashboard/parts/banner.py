@@ -8,7 +8,7 @@ from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.types import GateDecision, Outcome
+from sheath_manip.types import Actor, GateDecision, Outcome
 
 
 class Banner:
@@ -19,19 +19,21 @@ class Banner:
 
     def draw(self, moment: Moment) -> None:
         """Show the latest decision."""
-        self._box.content = _banner(moment.figures.decision, moment.figures.outcome)
+        self._box.content = _banner(
+            None if moment.step is None else moment.step.decision, moment.outcome
+        )
 
 
 def _banner(decision: GateDecision | None, outcome: Outcome | None) -> str:
     if decision is None:
         colour, title, below = palette.GREY, "Waiting", "for the first step"
     else:
-        colour, title = palette.ACTOR[decision.actor], f"{decision.actor.value.capitalize()} acts"
+        colour = palette.turn(decision.actor is Actor.EXPERT, decision.reason)
+        title = f"{decision.actor.value.capitalize()} acts"
         below = decision.reason.value
-        if np.isfinite(decision.score):
-            below += f" · score {decision.score:+.3f}"
-        if np.isfinite(decision.threshold):
-            below += f" · threshold {decision.threshold:+.3f}"
+        if np.isfinite(decision.score) and np.isfinite(decision.threshold):
+            sign = "≥" if decision.score >= decision.threshold else "<"
+            below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
     if outcome is not None:
         colour, title, below = palette.OUTCOME[outcome], outcome.value.capitalize(), "episode over"
     return (

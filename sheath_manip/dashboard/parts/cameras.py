@@ -1,5 +1,8 @@
 """What the policy sees, in a window of its own."""
 
+import math
+import time
+
 import numpy as np
 import viser
 from numpy.typing import NDArray
@@ -9,6 +12,7 @@ from sheath_manip.dashboard.part import Desk
 
 WIDTH_PX = 220
 MARGIN_PX = 15
+RATE_HZ = 6.0
 
 
 class Cameras:
@@ -16,6 +20,7 @@ class Cameras:
 
     def __init__(self, desk: Desk) -> None:
         gui, cameras = desk.viser.gui, desk.spec.cameras
+        self._drawn_s = -math.inf
         self._images: dict[str, viser.GuiImageHandle] = {}
         if not cameras:
             return
@@ -30,11 +35,21 @@ class Cameras:
         window.float(x=MARGIN_PX, y=MARGIN_PX, width=WIDTH_PX)
 
     def draw(self, moment: Moment) -> None:
-        """Show the (h, w, 3) RGB images by camera."""
-        for name, image in moment.images.items():
+        """Show what was seen before the shown step."""
+        if moment.step is None or not self._due(moment):
+            return
+        for name, image in moment.step.observation.images.items():
             if name in self._images:
                 self._images[name].image = _enlarged(image)
                 self._images[name].visible = True
+
+    def _due(self, moment: Moment) -> bool:
+        """Encoding images is the dearest part of a drawing, so a moving picture has fewer."""
+        now_s = time.monotonic()
+        due = not moment.present or moment.paused or now_s - self._drawn_s >= 1 / RATE_HZ
+        if due:
+            self._drawn_s = now_s
+        return due
 
 
 def _enlarged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

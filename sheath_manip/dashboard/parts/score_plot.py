@@ -1,16 +1,17 @@
 """The gate's score against its threshold over time."""
 
 import numpy as np
-from viser.uplot import Axis
+from numpy.typing import NDArray
+from viser.uplot import Axis, Series
 
 from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.markup import caption, note
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.tally import HISTORY_STEPS, Scored
 from sheath_manip.types import Actor
 
 HEIGHT_PX = 140
+WINDOW_STEPS = 300
 FONT = "12px sans-serif"
 AXIS = Axis(
     font=FONT,
@@ -23,15 +24,19 @@ LIMITED_BAND = 0.06
 
 
 class ScorePlot:
-    """Score and threshold of the latest steps, and who acted."""
+    """Score and threshold of the steps around the shown one, and who acted."""
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: Desk, ahead: float = 0.0) -> None:
+        """`ahead` is the share of the plot that lies after the shown step, 0..1."""
         gui, spec = desk.viser.gui, desk.spec
-        window_s = min(HISTORY_STEPS, spec.max_steps) / spec.control_rate_hz
-        gui.add_html(caption("Support score", "threshold dashed, expert's turns shaded"))
+        steps = min(WINDOW_STEPS, spec.max_steps)
+        self._after = round(ahead * steps)
+        self._before = steps - self._after
+        window_s = steps / spec.control_rate_hz
+        gui.add_html(caption("Support score", "threshold dashed, expert shaded"))
         self._no_score = gui.add_html(note("This gate computes no score."))
         self._scores = gui.add_uplot(
-            (np.zeros(1),) * len(Scored._fields),
+            (np.zeros(1),) * 6,
             (
                 {"label": "seconds from now"},
                 {"label": "score", "stroke": palette.css(palette.INK), "width": 2},
@@ -41,25 +46,14 @@ class ScorePlot:
                     "width": 1.5,
                     "dash": (6, 4),
                 },
-                {
-                    "label": "expert acts",
-                    "scale": "expert",
-                    "fill": palette.css(palette.ACTOR[Actor.EXPERT]) + "50",
-                    "width": 0,
-                    "points": {"show": False},
-                },
-                {
-                    "label": "command limited",
-                    "scale": "expert",
-                    "fill": palette.css(palette.LIMITED),
-                    "width": 0,
-                    "points": {"show": False},
-                },
+                _band("expert acts", palette.css(palette.ACTOR[Actor.EXPERT]) + "50"),
+                _band("command limited", palette.css(palette.LIMITED)),
+                _band("now", palette.css(palette.INK) + ("90" if ahead else "00")),
             ),
             # Ranges that stand still; one that follows the data viser's page now and then loses.
             scales={
-                "x": {"time": False, "range": (-window_s, 0.0)},
-                "expert": {"range": (0.0, 1.0)},
+                "x": {"time": False, "range": ((ahead - 1) * window_s, ahead * window_s)},
+                "band": {"range": (0.0, 1.0)},
             },
             axes=(
                 AXIS | Axis(size=28, label="seconds from now", labelSize=18),
@@ -71,11 +65,28 @@ class ScorePlot:
         )
 
     def draw(self, moment: Moment) -> None:
-        """Plot the latest steps."""
-        columns = np.asarray(moment.scores, dtype=np.float64).reshape(-1, len(Scored._fields)).T
-        scored = bool(np.isfinite(columns[1]).any())
+        """Plot the steps around the shown one."""
+        first = max(moment.at - self._before, 0)
+        trace = moment.trace.until(moment.at + 1 + self._after)
+        score = trace.score[first:]
+        scored = bool(np.isfinite(score).any())
         self._scores.visible, self._no_score.visible = scored, not scored
         if scored:
-            columns[0] -= columns[0, -1]
-            columns[Scored._fields.index("limited")] *= LIMITED_BAND
-            self._scores.data = tuple(np.ascontiguousarray(column) for column in columns)
+            now = np.arange(first, len(trace)) == moment.at
+            columns: tuple[NDArray, ...] = (
+                trace.time_s[first:] - trace.time_s[moment.at],
+                score,
+                trace.threshold[first:],
+                trace.by_expert[first:],
+                LIMITED_BAND * trace.limited[first:],
+                now,
+            )
+            # -inf, which is below any threshold, would leave the plot without a range.
+            self._scores.data = tuple(
+                np.where(np.isfinite(column), column, np.nan).astype(np.float64)
+                for column in columns
+            )
+
+
+def _band(label: str, fill: str) -> Series:
+    return Series(label=label, scale="band", fill=fill, width=0, points={"show": False})

@@ -1,0 +1,23 @@
+"""The box that makes the view go along with the tool."""
+
+import viser
+
+from sheath_manip.dashboard.following import Following
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
+
+
+class FollowBox:
+    """Sets the switch, for all who look."""
+
+    def __init__(self, desk: Desk, following: Following) -> None:
+        self._box = desk.viser.gui.add_checkbox("Follow the robot", following.on)
+
+        @self._box.on_update
+        async def _(_: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
+            following.on = bool(self._box.value)
+            desk.wake()
+
+    def draw(self, moment: Moment) -> None:
+        """Only a person changes it; a task without a tool has nothing to follow."""
+        self._box.visible = moment.pose.tool_m is not None

@@ -1,0 +1,85 @@
+"""The support as a map: training states, level sets, and the present state moving in it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dashboard import palette
+from sheath_manip.dashboard.chart import chart_of
+from sheath_manip.dashboard.markup import TEXT, caption, note
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
+from sheath_manip.types import Actor
+
+TRAIL_STEPS = 300
+NO_TRAINING = "The support appears here with the first training states."
+
+
+class SupportMap:
+    """In the task's plane, on its ground; else in a projection of what is observed."""
+
+    def __init__(self, desk: Desk) -> None:
+        gui, spec = desk.viser.gui, desk.spec
+        self._has_ground = spec.plane is not None
+        self._chart = chart_of(spec)
+        gui.add_html(caption("Support", self._chart.title))
+        self._image = gui.add_image(np.zeros((1, 1, 3), np.uint8), jpeg_quality=85, visible=False)
+        self._note = gui.add_html(note(NO_TRAINING))
+        self._training: Samples | None = None
+        self._positions = np.zeros((0, 2))
+        self._levels: PlaneLevels | None = None
+        self._picture: SupportPicture | None = None
+        self._picture_of: tuple[object, object] = (None, None)
+        self._track = np.zeros((0, 2))
+        self._track_of: object = None
+
+    def draw(self, moment: Moment) -> None:
+        """Draw the trail on what stays as it is."""
+        if moment.training is not self._training and moment.training is not None:
+            self._positions = self._chart.fit(moment.training)
+            self._levels = plane_levels(
+                self._positions, bandwidth_factor=self._chart.bandwidth_factor
+            )
+            self._training = moment.training
+            self._track_of = None
+        if self._picture_of[0] is not moment.scene or self._picture_of[1] is not self._training:
+            ground = ground_of(moment.scene, moment.pose) if self._has_ground else None
+            drawable = ground is not None or self._levels is not None
+            self._picture = (
+                SupportPicture(ground, self._positions, self._levels) if drawable else None
+            )
+            self._picture_of = (moment.scene, self._training)
+        if self._picture is not None:
+            self._image.image = self._picture.draw(self._track_until(moment))
+            self._image.visible = True
+            self._note.content = _legend() if self._levels is not None else note(NO_TRAINING)
+
+    def _track_until(self, moment: Moment) -> Track:
+        shown = slice(max(moment.at + 1 - TRAIL_STEPS, 0), moment.at + 1)
+        actors = tuple(
+            Actor.EXPERT if by_expert else Actor.POLICY
+            for by_expert in moment.trace.by_expert[shown].tolist()
+        )
+        return Track(self._places(moment)[shown], actors)
+
+    def _places(self, moment: Moment) -> NDArray[np.float64]:
+        """(n, 2) of the shown episode's steps: each is placed once."""
+        if self._track_of is not moment.info:
+            self._track, self._track_of = np.zeros((0, 2)), moment.info
+        new = [step.observation for step in moment.steps[len(self._track) : moment.at + 1]]
+        if new:
+            self._track = np.concatenate([self._track, self._chart.places(new)])
+        return self._track
+
+
+def _legend() -> str:
+    nus = ", ".join(map(str, NUS))
+    trail = " and ".join(
+        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>' for actor in Actor
+    )
+    return (
+        f'<div style="{TEXT}">trail of {trail} <span style="opacity:.6">· dots: training states · '
+        f"yellow: support at ν = {nus}</span></div>"
+    )
