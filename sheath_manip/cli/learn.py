@@ -15,6 +15,20 @@ from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.protocols import Gate, Listener
 from sheath_manip.task import SCRIPTED, TaskEntry
 
+PLANNED = (
+    "rounds",
+    "episodes",
+    "demonstrations",
+    "calibration",
+    "check",
+    "held_out",
+    "final",
+    "policy",
+    "signal",
+    "embedding",
+)
+"""options of the same name and meaning as in `LearningPlan`"""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Learn:
@@ -52,7 +66,11 @@ class Learn:
     final: int | None = None
     """scenes on which the last policy is judged"""
     policy: str | None = None
-    """name, as `sheath tasks` lists it"""
+    """name, as `sheath tasks` lists it, as with the next two"""
+    signal: str | None = None
+    """what the gate looks at"""
+    embedding: str | None = None
+    """what of the policy the support is estimated on"""
     seed: int = 0
     """of the training run"""
     dashboard: bool = False
@@ -88,19 +106,7 @@ class Learn:
         listeners: Sequence[Listener],
         supervised: Callable[[Gate], Gate] | None,
     ) -> int:
-        asked = {
-            name: getattr(self, name)
-            for name in (
-                "rounds",
-                "episodes",
-                "demonstrations",
-                "calibration",
-                "check",
-                "held_out",
-                "final",
-                "policy",
-            )
-        }
+        asked = {name: getattr(self, name) for name in PLANNED}
         plan = planned(task, self.plan, **asked, methods=(self.method,), seeds=(self.seed,))
         # Only now: torch takes seconds to import.
         from sheath_manip.aggregate import LearningRun
