@@ -114,11 +114,11 @@ class Train:
         training, held_out = self._split(store, spec.name, plan.calibration)
         with session.err.status("reading"):
             states = (
-                samples_from(store.read_many(training))
+                samples_from(store.learnable(training))
                 if self.cache is None
                 else mapped_samples(store, training, self.cache)
             )
-            calibration = [samples_from([store.read(name)]) for name in held_out]
+            calibration = [samples_from(store.learnable([name])) for name in held_out]
         with session.err.status(f"fitting {plan.policy} to {len(states)} states"):
             policy.fit(states)
         with session.err.status(f"fitting {plan.support} on {plan.embedding}"):

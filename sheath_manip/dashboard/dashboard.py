@@ -12,6 +12,7 @@ from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.playhead import Playhead
@@ -49,10 +50,8 @@ class Dashboard:
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
-        self._page = Page(
-            Desk(self._server.viser, spec, self._drawer.wake),
-            live(spec, self.cockpit, self._playhead),
-        )
+        desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
+        self._page = Page(desk, live(spec, self.cockpit, self._playhead))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
@@ -130,6 +129,14 @@ class Dashboard:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _allows(self, client_id: int | None) -> bool:
+        """Whether that browser may change what the run does: while somebody drives only that one.
+
+        Who sets an element by program has no browser, and may.
+        """
+        holder = self.cockpit.lease.holder
+        return client_id is None or holder in (None, station_of(client_id))
 
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()

@@ -10,6 +10,10 @@ REASON: dict[Reason, Rgb] = {
     Reason.OUTSIDE: (213, 94, 0),
     Reason.HOLD: (240, 175, 120),
     Reason.PERSON: (0, 158, 115),
+    Reason.IDLE: (140, 205, 185),
+    Reason.WAITING: (240, 228, 66),
+    Reason.NO_ANSWER: (213, 94, 0),
+    Reason.EMERGENCY_STOP: (190, 30, 45),
     Reason.NO_SCORE: (90, 40, 20),
     Reason.INVALID_PROPOSAL: (90, 40, 20),
 }

@@ -80,7 +80,7 @@ class GrowingTrace:
         columns.score[at], columns.threshold[at] = decision.score, decision.threshold
         columns.by_expert[at] = by_expert
         columns.intervention[at] = by_expert and has_policy
-        columns.query[at] = step.labelled is not None
+        columns.query[at] = step.label is not None
         columns.limited[at] = bool(step.limited)
         columns.reason[at] = REASONS.index(decision.reason)
         columns.tool_m[at] = NOWHERE if pose.tool_m is None else pose.tool_m

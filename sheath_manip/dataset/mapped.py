@@ -18,6 +18,7 @@ from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.header import GROUP_FILE
 from sheath_manip.dataset.layout import has_label, layout
+from sheath_manip.dataset.marks import marks_text
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
@@ -40,6 +41,7 @@ def mapped_samples(reader: EpisodeReader, names: Sequence[str], folder: Path) ->
     for name in names:
         # A header tells the moment of recording, so an episode recorded anew is another.
         digest.update(f"{name}\n".encode() + reader.content(name, GROUP_FILE))
+        digest.update(marks_text(reader.marks(name)).encode())
     directory = folder / f"samples-{digest.hexdigest()[:32]}"
     if not directory.exists():
         _build(reader, names, directory)
@@ -73,7 +75,7 @@ def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None
         aside.mkdir(parents=True)
         files, start = dict[str, NDArray](), 0
         for number, recorded in enumerate(uniform(map(reader.recorded, names))):
-            rows = _rows(recorded, number)
+            rows = _rows(recorded, _labelled(reader, names[number]), number)
             stop = start + len(rows["episodes"])
             for name, values in rows.items():
                 if name not in files:
@@ -95,13 +97,14 @@ def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None
 
 def _labelled(reader: EpisodeReader, name: str) -> NDArray[np.bool_]:
     specs = {spec.path: spec for spec in layout(reader.header(name))}
-    return has_label({path: reader.array(name, specs[path]) for path in ("has_labelled", "query")})
-
-
-def _rows(recorded: Recorded, number: int) -> dict[str, NDArray]:
-    """The labelled states of one episode, by the name of their file."""
-    arrays = recorded.arrays
+    arrays = {path: reader.array(name, specs[path]) for path in ("has_labelled", "query")}
     has = has_label(arrays)
+    return has & ~reader.marks(name).is_bad(len(has))
+
+
+def _rows(recorded: Recorded, has: NDArray[np.bool_], number: int) -> dict[str, NDArray]:
+    """The states of one episode that have a label, by the name of their file."""
+    arrays = recorded.arrays
     return {
         **{
             f"{_IMAGE_PREFIX}{camera}": arrays[f"images/{camera}"][has]

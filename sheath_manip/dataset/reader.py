@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.faults import Fault
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec, layout
+from sheath_manip.dataset.marks import Marks, learnable
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import episode_from
 from sheath_manip.exceptions import StoreError
@@ -24,6 +25,10 @@ class EpisodeSummary:
     length: int
     """T, in control steps"""
     outcome: Outcome
+    """what a person marked it as, else as recorded"""
+    recorded_outcome: Outcome
+    bad_steps: int
+    """marked as not to be learned from"""
     expert_share: float
     """0..1 of the steps in which the expert acted"""
     queries: int
@@ -65,14 +70,23 @@ class EpisodeReader(ABC):
     def entry_faults(self) -> list[Fault]:
         """What else is in that place."""
 
+    def marks(self, name: str) -> Marks:  # noqa: ARG002
+        """What a person said of the episode afterwards; raises StoreError where that is broken.
+
+        Places that keep no marks have none.
+        """
+        return Marks()
+
     def summary(self, name: str) -> EpisodeSummary:
         """One episode at a glance; raises StoreError where its header cannot be read."""
-        header = self.header(name)
+        header, marks = self.header(name), self.marks(name)
         return EpisodeSummary(
             name=name,
             info=header.info,
             length=header.length,
-            outcome=header.outcome,
+            outcome=marks.outcome or header.outcome,
+            recorded_outcome=header.outcome,
+            bad_steps=int(marks.is_bad(header.length).sum()),
             expert_share=header.expert_steps / header.length,
             queries=header.queries,
             metrics=header.metrics,
@@ -109,6 +123,10 @@ class EpisodeReader(ABC):
     def read_many(self, names: Iterable[str], need_images: bool = True) -> Iterator[Episode]:
         """The named episodes, each read when it is asked for; raises StoreError as `read` does."""
         return (self.read(name, need_images) for name in names)
+
+    def learnable(self, names: Iterable[str]) -> Iterator[Episode]:
+        """As `read_many`, with no label where a person marked an episode as bad."""
+        return (learnable(self.read(name), self.marks(name)) for name in names)
 
     def episodes(
         self,

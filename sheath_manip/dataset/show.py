@@ -26,12 +26,17 @@ def print_show(address: str, episode: str, console: Console) -> int:
     reader = open_place(address)
     name = chosen(reader, episode)
     header, recorded = reader.header(name), reader.recorded(name, need_images=False)
+    marks = reader.marks(name)
     console.print(Text(name, style="bold"))
     facts = Table(box=None, show_header=False, pad_edge=False)
     for what, text in _facts(header, sum(reader.files(name).values())).items():
         facts.add_row(what, Text(text))
     spans = [f"{a} .. {b - 1}" for a, b in runs(recorded.arrays["intervention"])]
     more = f" and {len(spans) - LISTED_INTERVENTIONS} more" * (len(spans) > LISTED_INTERVENTIONS)
+    if marks.outcome is not None:
+        facts.add_row("marked as", Text(marks.outcome))
+    if marks.bad:
+        facts.add_row("marked bad", ", ".join(f"{a} .. {b - 1}" for a, b in marks.bad))
     facts.add_row("interventions", ", ".join(spans[:LISTED_INTERVENTIONS]) + more or "none")
     console.print(facts)
     table = Table(box=None, pad_edge=False)

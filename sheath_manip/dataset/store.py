@@ -18,6 +18,14 @@ from sheath_manip.dataset.group import read_array, write_group
 from sheath_manip.dataset.header import Header, header_of, read_header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
+from sheath_manip.dataset.marks import (
+    Marks,
+    is_marks_name,
+    marks_faults,
+    marks_path,
+    read_marks,
+    write_marks,
+)
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
 from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
@@ -112,6 +120,24 @@ class EpisodeStore(EpisodeReader):
                 (aside / file).write_bytes(source.content(name, file))
 
         self._publish(name, sum(files.values()), write)
+        self.mark(name, source.marks(name))
+
+    def marks(self, name: str) -> Marks:
+        """What a person said of the episode afterwards; raises StoreError where that is broken."""
+        return read_marks(self.path, name)
+
+    def mark(self, name: str, marks: Marks) -> None:
+        """Keep what a person says of the episode, beside it; raises StoreError."""
+        length = self.header(name).length
+        if marks.bad and marks.bad[-1][1] > length:
+            raise StoreError(
+                f"{name} has {length} steps; wanted bad stretches within them, got "
+                f"{marks.bad[-1][0]} .. {marks.bad[-1][1]}"
+            )
+        try:
+            write_marks(self.path, name, marks)
+        except OSError as error:
+            raise StoreError(f"cannot mark {name} of {self.path} ({error})") from error
 
     def drop(self, name: str) -> None:
         """Delete the episode for good, damaged or not; raises StoreError where there is none."""
@@ -121,6 +147,7 @@ class EpisodeStore(EpisodeReader):
         try:
             # At once out of every reader's sight; a crash leaves it to `sheath data repair`.
             (self.path / name).rename(aside)
+            marks_path(self.path, name).unlink(missing_ok=True)
             sync(self.path)
             shutil.rmtree(aside)
         except OSError as error:
@@ -204,10 +231,14 @@ class EpisodeStore(EpisodeReader):
             if entry.name.startswith(LEFTOVER_PREFIX):
                 text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
                 faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
-            elif entry.name != MARKER and not (entry.is_dir() and is_episode_name(entry.name)):
+            elif not (
+                entry.name == MARKER
+                or is_marks_name(entry.name)
+                or (entry.is_dir() and is_episode_name(entry.name))
+            ):
                 text = "neither an episode nor the store's own; move it away"
                 faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
-        return faults
+        return faults + marks_faults(self.path, set(self.names()))
 
     def _directory(self, info: EpisodeInfo) -> Path:
         name = episode_name(info)

@@ -80,13 +80,19 @@ def _cells(summary: EpisodeSummary) -> tuple[str, ...]:
     return (
         summary.name,
         summary.info.task,
-        summary.outcome,
+        _outcome(summary),
         str(summary.length),
         f"{summary.expert_share:.0%}",
         str(summary.queries),
         f"{summary.bytes / 1e6:.2f}",
         ", ".join(f"{name} {value:.4g}" for name, value in summary.metrics.items()),
     )
+
+
+def _outcome(summary: EpisodeSummary) -> str:
+    """With a star where a person marked it as something else, or some of it as bad."""
+    marked = summary.outcome is not summary.recorded_outcome or summary.bad_steps
+    return summary.outcome + "*" * bool(marked)
 
 
 def _totals(summaries: Sequence[EpisodeSummary]) -> str:

@@ -37,6 +37,8 @@ class ExportStore:
     """only episodes of these rounds"""
     action: Annotated[ActionChoice, ByValue] = ActionChoice.EXECUTED
     """which is `the` action there; labelled leaves out the steps that nobody labelled"""
+    bad_steps: bool = False
+    """also what a person marked as bad in `sheath replay`"""
 
     def run(self, session: Session) -> int:
         """Write it, then print what was written."""
@@ -44,7 +46,9 @@ class ExportStore:
         from sheath_manip.dataset.places import open_place
 
         reader = open_place(self.store)
-        selection = Selection(self.successes, self.expert_steps, self.rounds, self.action)
+        selection = Selection(
+            self.successes, self.expert_steps, self.rounds, self.action, self.bad_steps
+        )
         with session.progress("exporting", len(reader.names())) as report:
             done = export(reader, self.out, self.format, selection, report)
         session.out.print(Text(f"{self.out}: {done.episodes} episodes, {done.steps} steps"))

@@ -7,6 +7,7 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.scene import WORLD
 
 SCALE_M = 0.14
 
@@ -18,7 +19,7 @@ class ToolGizmo:
         self._cockpit = cockpit
         self._dragged_by: int | None = None
         self.handle = desk.viser.scene.add_transform_controls(
-            "/tool_gizmo", scale=SCALE_M, depth_test=False, visible=False
+            f"{WORLD}/tool_gizmo", scale=SCALE_M, depth_test=False, visible=False
         )
 
         @self.handle.on_update

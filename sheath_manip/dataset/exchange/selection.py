@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import has_label, layout
+from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
@@ -34,16 +35,21 @@ class Selection:
     rounds: tuple[int, ...] = ()
     """only episodes of these rounds; all where empty"""
     action: ActionChoice = ActionChoice.EXECUTED
+    bad_steps: bool = False
+    """also steps that a person marked as bad"""
 
-    def takes(self, header: Header) -> bool:
+    def takes(self, header: Header, marks: Marks) -> bool:
         """Whether anything of that episode may be taken."""
-        return (not self.successes or header.outcome is Outcome.SUCCESS) and (
+        outcome = marks.outcome or header.outcome
+        return (not self.successes or outcome is Outcome.SUCCESS) and (
             not self.rounds or header.info.round in self.rounds
         )
 
-    def steps(self, recorded: Recorded) -> NDArray[np.bool_]:
+    def steps(self, recorded: Recorded, marks: Marks) -> NDArray[np.bool_]:
         """(T,) which steps to take."""
         taken = np.ones(recorded.header.length, dtype=bool)
+        if not self.bad_steps:
+            taken &= ~marks.is_bad(recorded.header.length)
         if self.expert_steps:
             # Who only holds the robot in the expert's place is none.
             taken &= by_expert(recorded) & recorded.arrays["query"]
@@ -63,9 +69,10 @@ def selected(reader: EpisodeReader, selection: Selection) -> Iterator[Recorded]:
     order = sorted(headers, key=lambda n: (headers[n].info.round, headers[n].info.index, n))
     some = False
     for name in order:
-        if selection.takes(headers[name]):
-            recorded = reader.recorded(name)
-            for start, stop in runs(selection.steps(recorded)):
+        marks = reader.marks(name)
+        if selection.takes(headers[name], marks):
+            recorded = _as_marked(reader.recorded(name), marks)
+            for start, stop in runs(selection.steps(recorded, marks)):
                 some = True
                 yield piece(recorded, start, stop)
     if not some:
@@ -73,6 +80,13 @@ def selected(reader: EpisodeReader, selection: Selection) -> Iterator[Recorded]:
             f"of the {len(order)} episodes in {reader.address} nothing is selected; "
             "ask for less, or see `sheath data list`"
         )
+
+
+def _as_marked(recorded: Recorded, marks: Marks) -> Recorded:
+    """The episode with the outcome that a person gave it."""
+    if marks.outcome is None:
+        return recorded
+    return replace(recorded, header=replace(recorded.header, outcome=marks.outcome))
 
 
 def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

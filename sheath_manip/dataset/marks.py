@@ -1,0 +1,144 @@
+"""What a person said of an episode afterwards: a small file beside it, the episode itself stays."""
+
+import json
+import uuid
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.durable import sync
+from sheath_manip.dataset.faults import Fault, FaultKind
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX, is_episode_name
+from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types import Episode, Outcome, Step
+
+SUFFIX = ".marks.json"
+FORMAT = "sheath-marks"
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Marks:
+    """By default nothing was said."""
+
+    outcome: Outcome | None = None
+    """how the episode ended in truth; None: as recorded"""
+    bad: tuple[tuple[int, int], ...] = ()
+    """stretches not to learn from, as (first step, first step after): sorted and apart"""
+
+    def is_bad(self, length: int) -> NDArray[np.bool_]:
+        """(length,) which steps are not to be learned from."""
+        bad = np.zeros(length, bool)
+        for start, stop in self.bad:
+            bad[start:stop] = True
+        return bad
+
+    def with_bad(self, start: int, stop: int) -> "Marks":
+        """The same with one more bad stretch; raises ParameterError for an empty one."""
+        if not 0 <= start < stop:
+            raise ParameterError(
+                f"the bad stretch is {start} .. {stop}; wanted a first step of at least 0 and a "
+                "stop after it"
+            )
+        merged: list[tuple[int, int]] = []
+        for each in sorted((*self.bad, (start, stop))):
+            if merged and each[0] <= merged[-1][1]:
+                merged[-1] = merged[-1][0], max(merged[-1][1], each[1])
+            else:
+                merged.append(each)
+        return replace(self, bad=tuple(merged))
+
+
+def learnable(episode: Episode, marks: Marks) -> Episode:
+    """`episode` with no label where it is marked bad."""
+    if not marks.bad:
+        return episode
+    bad = marks.is_bad(len(episode))
+    steps = (
+        _unlabelled(step) if is_bad else step
+        for step, is_bad in zip(episode.steps, bad, strict=True)
+    )
+    return replace(episode, steps=tuple(steps))
+
+
+def marks_path(store: Path, name: str) -> Path:
+    """Where the marks of the episode `name` are kept."""
+    return store / f"{name}{SUFFIX}"
+
+
+def is_marks_name(entry: str) -> bool:
+    """Whether `entry` is the name of a file of marks."""
+    return entry.endswith(SUFFIX) and is_episode_name(entry.removesuffix(SUFFIX))
+
+
+def read_marks(store: Path, name: str) -> Marks:
+    """The marks of an episode, empty where there are none; raises StoreError where broken."""
+    path = marks_path(store, name)
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return Marks()
+    except OSError as error:
+        raise StoreError(f"cannot read {path} ({error})") from error
+    return parse_marks(path, content)
+
+
+def parse_marks(where: Path | str, content: bytes) -> Marks:
+    """The marks in `content`; raises StoreError, told of `where`, where they are none."""
+    try:
+        fields = json.loads(content)
+        if fields["format"] != FORMAT or fields["schema"] != SCHEMA:
+            raise ValueError(f"format {fields['format']!r}, schema {fields['schema']!r}")
+        outcome = None if fields["outcome"] is None else Outcome(fields["outcome"])
+        marks = Marks(outcome)
+        for start, stop in fields["bad"]:
+            marks = marks.with_bad(int(start), int(stop))
+        return marks
+    except (ValueError, KeyError, TypeError, RecursionError, ParameterError) as error:
+        raise StoreError(
+            f"{where} holds no marks of schema {SCHEMA} ({type(error).__name__}: {error}); "
+            "delete it, and mark the episode again"
+        ) from error
+
+
+def write_marks(store: Path, name: str, marks: Marks) -> None:
+    """Put `marks` in the place of those before, all at once; none are none. Raises OSError."""
+    path = marks_path(store, name)
+    if marks == Marks():
+        path.unlink(missing_ok=True)
+    else:
+        aside = store / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+        aside.write_text(marks_text(marks))
+        sync(aside)
+        aside.replace(path)
+    sync(store)
+
+
+def marks_text(marks: Marks) -> str:
+    """As the file holds them."""
+    fields = {"format": FORMAT, "schema": SCHEMA, "outcome": marks.outcome, "bad": marks.bad}
+    return json.dumps(fields)
+
+
+def marks_faults(store: Path, names: set[str]) -> list[Fault]:
+    """What is wrong with the files of marks in `store`, which has the episodes `names`."""
+    faults = []
+    for entry in sorted(store.iterdir()):
+        if not is_marks_name(entry.name):
+            continue
+        name = entry.name.removesuffix(SUFFIX)
+        if name not in names:
+            text = "marks of an episode that is not here; delete it"
+            faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
+            continue
+        try:
+            read_marks(store, name)
+        except StoreError as error:
+            faults.append(Fault(entry.name, FaultKind.UNREADABLE, str(error)))
+    return faults
+
+
+def _unlabelled(step: Step) -> Step:
+    return replace(step, labelled=None, decision=replace(step.decision, query=False))
