@@ -65,7 +65,7 @@ def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting)
                 partial(ScorePlot, ahead=0.5),
                 Timeline,
                 partial(Interventions, look_at=player.look_at),
-                Counts,
+                partial(Counts, with_series=False),
                 partial(FollowBox, following=following),
             ),
             "Episodes": (partial(EpisodeList, shelf=shelf, player=player),),

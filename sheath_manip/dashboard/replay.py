@@ -99,7 +99,7 @@ class Replay:
         moment = moment_of(
             now.film,
             now.at,
-            series=self._shelf.share,
+            series=Share(),
             outcomes=self._shelf.outcomes,
             training=self._training,
             paused=not now.playing,

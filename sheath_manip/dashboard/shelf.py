@@ -4,7 +4,6 @@ import threading
 from collections import Counter
 from collections.abc import Mapping
 
-from sheath_manip.dashboard.tally import Share
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeSummary
 from sheath_manip.dataset.samples import Samples, samples_from
@@ -39,15 +38,6 @@ class Shelf:
     def outcomes(self) -> Mapping[Outcome, int]:
         """How many ended how."""
         return Counter(summary.outcome for summary in self.summaries)
-
-    @property
-    def share(self) -> Share:
-        """Of all its episodes, as far as their headers tell."""
-        shares = (
-            Share(each.length, round(each.expert_share * each.length), queries=each.queries)
-            for each in self.summaries
-        )
-        return sum(shares, Share())
 
     def name(self, place: int) -> str:
         """Of the episode at `place`; raises ParameterError where there is none."""

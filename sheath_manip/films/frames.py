@@ -14,7 +14,7 @@ from sheath_manip.exceptions import ParameterError
 Pictures = Callable[[int], NDArray[np.uint8]]
 """(h, w, 3) RGB of how the scene stands before a step, all of one size"""
 
-HEIGHT_PX, WIDEST_PX = 288, 864
+HEIGHT_PX, WIDEST_PX = 288, 640
 """of the picture"""
 WORDS_PX, STRIP_PX, SCORE_PX = 26, 14, 64
 MARGIN_PX = 10
