@@ -9,6 +9,7 @@ from pathlib import Path
 from sheath_manip.cli.options import Address, TaskName
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.cockpit import Cockpit
 from sheath_manip.seeding import scene_seed
 from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 
@@ -38,7 +39,8 @@ class Watch:
         """Run episodes for ever."""
         if self.episodes is not None:
             at_least_one("episodes", self.episodes)
-        pacing = Pacing(self.speed)
+        cockpit = Cockpit(paced=True)
+        pacing = Pacing(self.speed, lambda: cockpit.speed)
         task = session.task(self.task)
         # Only now: torch takes seconds to import.
         from sheath_manip.checkpoint import load_checkpoint
@@ -53,7 +55,7 @@ class Watch:
                 policy = checkpoint.policy
                 gate = SupportGate(checkpoint.score, checkpoint.threshold)
             with (
-                self.address.dashboard(environment.spec, session) as page,
+                self.address.dashboard(environment.spec, session, cockpit) as page,
                 suppress(KeyboardInterrupt),
             ):
                 for record in run_all(

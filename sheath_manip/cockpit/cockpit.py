@@ -138,6 +138,11 @@ class Cockpit:
             last = [o for o, _ in self._orders if o in (Order.PAUSE, Order.RESUME)]
             return self._state.paused if not last else last[-1] is Order.PAUSE
 
+    @property
+    def heard(self) -> Given:
+        """What the operator's page said last."""
+        return self._given
+
     def order(self, order: Order, station: str, value: float = 1.0) -> bool:
         """Queue what `station` orders; whether it may.
 
@@ -207,6 +212,7 @@ class Cockpit:
         self._drain()
         self.ending = None
         self._abandoned = False
+        self.give_turn(Turn.POLICY)
 
     @property
     def mark(self) -> Outcome | None:
