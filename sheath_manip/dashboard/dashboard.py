@@ -17,6 +17,7 @@ from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
+from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.protocols import Environment
@@ -146,28 +147,16 @@ class Dashboard:
         if shown is None:
             return None
         film, at, present = shown
-        trace = film.trace.so_far()
-        last = at + 1 == len(trace)
         with self._lock:
-            series, outcomes = self._tally.share(film.info), self._tally.outcomes(film.info)
-            outcome = film.outcome
-        if outcome is None:
-            series += Share.of(trace.until(at + 1))
-        return Moment(
-            info=film.info,
-            scene=film.scene,
-            pose=film.first_pose if at < 0 else film.poses[at],
-            trace=trace,
-            steps=film.steps,
-            at=at,
-            step=None if at < 0 else film.steps[at],
-            outcome=outcome if last else None,
-            series=series,
-            outcomes=outcomes,
-            training=self._training,
-            paused=self.cockpit.paused,
-            present=present,
-        )
+            return moment_of(
+                film,
+                at,
+                series=self._tally.share(film.info),
+                outcomes=self._tally.outcomes(film.info),
+                training=self._training,
+                paused=self.cockpit.paused,
+                present=present,
+            )
 
     def _draw_latest(self) -> None:
         if not self._page.watched:

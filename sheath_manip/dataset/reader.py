@@ -77,6 +77,12 @@ class EpisodeReader(ABC):
         """
         return Marks()
 
+    def mark(self, name: str, marks: Marks) -> None:  # noqa: ARG002
+        """Keep what a person says of the episode; raises StoreError, also where none are kept."""
+        raise StoreError(
+            f"{self.address} keeps no marks; merge it into a directory of this machine and mark it there"
+        )
+
     def summary(self, name: str) -> EpisodeSummary:
         """One episode at a glance; raises StoreError where its header cannot be read."""
         header, marks = self.header(name), self.marks(name)
