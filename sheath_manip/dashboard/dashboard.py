@@ -14,7 +14,7 @@ from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.part import Desk, Maker
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.shown import moment_of
@@ -40,8 +40,12 @@ class Dashboard:
         port: int = 8080,
         token: str | None = None,
         cockpit: Cockpit | None = None,
+        gate: tuple[Maker, ...] = (),
     ) -> None:
-        """Open the page; `cockpit` is where a person's orders go, by default one to hold the run.
+        """Open the page.
+
+        `cockpit` is where a person's orders go, by default one to hold the run; `gate` are the
+        sliders of a gate that a person may adjust.
 
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
@@ -52,7 +56,7 @@ class Dashboard:
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
         desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
-        self._page = Page(desk, live(spec, self.cockpit, self._playhead))
+        self._page = Page(desk, live(spec, self.cockpit, self._playhead, gate))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
