@@ -88,7 +88,7 @@ def calibrated(
 def with_nu(
     checkpoint: Checkpoint, states: Samples, calibration: Sequence[Samples], nu: float
 ) -> Checkpoint:
-    """`checkpoint` with its support fitted anew to `states`, of which a share of `nu` may be outside.
+    """`checkpoint` with its support fitted anew to `states`, of which `nu` may be outside.
 
     Policy and embedding stay; the threshold is found again for the same rate of false alarms.
     Raises ParameterError where the support has no nu, or cannot be fitted to states alone.
