@@ -15,9 +15,10 @@ from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.part import Desk, Maker
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
+from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.protocols import Environment
@@ -42,8 +43,12 @@ class Dashboard:
         port: int = 8080,
         token: str | None = None,
         cockpit: Cockpit | None = None,
+        gate: tuple[Maker, ...] = (),
     ) -> None:
-        """Open the page; `cockpit` is where a person's orders go, by default one to hold the run.
+        """Open the page.
+
+        `cockpit` is where a person's orders go, by default one to hold the run; `gate` are the
+        sliders of a gate that a person may adjust.
 
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
@@ -56,7 +61,7 @@ class Dashboard:
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
         desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
-        self._page = Page(desk, live(spec, self.cockpit, self._playhead))
+        self._page = Page(desk, live(spec, self.cockpit, self._playhead, gate))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
@@ -151,28 +156,16 @@ class Dashboard:
         if shown is None:
             return None
         film, at, present = shown
-        trace = film.trace.so_far()
-        last = at + 1 == len(trace)
         with self._lock:
-            series, outcomes = self._tally.share(film.info), self._tally.outcomes(film.info)
-            outcome = film.outcome
-        if outcome is None:
-            series += Share.of(trace.until(at + 1))
-        return Moment(
-            info=film.info,
-            scene=film.scene,
-            pose=film.first_pose if at < 0 else film.poses[at],
-            trace=trace,
-            steps=film.steps,
-            at=at,
-            step=None if at < 0 else film.steps[at],
-            outcome=outcome if last else None,
-            series=series,
-            outcomes=outcomes,
-            training=self._training,
-            paused=self.cockpit.paused,
-            present=present,
-        )
+            return moment_of(
+                film,
+                at,
+                series=self._tally.share(film.info),
+                outcomes=self._tally.outcomes(film.info),
+                training=self._training,
+                paused=self.cockpit.paused,
+                present=present,
+            )
 
     def _draw_latest(self) -> None:
         if not self._page.watched:
