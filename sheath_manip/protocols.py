@@ -201,6 +201,13 @@ class Signal(Protocol):
         """Fit to the training `states` of `policy`, and look through that policy from now on."""
         ...
 
+    def refit(self, states: Samples) -> Self:
+        """Fit again to `states` what needs neither policy nor embedding fitted again.
+
+        Raises ParameterError where that cannot be done.
+        """
+        ...
+
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """Learn what held-out expert episodes, that no fit has seen, look like."""
         ...

@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
-from rich.panel import Panel
-from rich.text import Text
 
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
@@ -43,20 +41,25 @@ class Address:
 
     @contextmanager
     def dashboard(
-        self, spec: TaskSpec, session: Session, cockpit: "Cockpit | None" = None
+        self,
+        spec: TaskSpec,
+        session: Session,
+        cockpit: "Cockpit | None" = None,
+        gate: "tuple[Maker, ...]" = (),
     ) -> Iterator["Dashboard"]:
         """The page, its address printed; taken down at the end. Raises SetupError (port taken).
 
-        `cockpit` is where a person's orders go.
+        `cockpit` is where a person's orders go, `gate` are the sliders of an adjustable gate.
         """
         # Only now: it takes seconds, and most calls want no page.
         from sheath_manip.dashboard import Dashboard
 
         if not is_loopback(self.host):
             session.err.print(f"[bold yellow]{NOT_LOOPBACK}")
-        with Dashboard(spec, host=self.host, port=self.port, cockpit=cockpit) as dashboard:
-            address = Text(dashboard.address, no_wrap=True, style="bold cyan")
-            session.out.print(Panel.fit(address, title="open in a browser", padding=(1, 2)))
+        with Dashboard(
+            spec, host=self.host, port=self.port, cockpit=cockpit, gate=gate
+        ) as dashboard:
+            session.announce(dashboard.address)
             yield dashboard
 
     @contextmanager

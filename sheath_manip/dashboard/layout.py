@@ -4,7 +4,7 @@ from functools import partial
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.following import Following
-from sheath_manip.dashboard.part import Layout
+from sheath_manip.dashboard.part import Layout, Maker
 from sheath_manip.dashboard.parts.banner import Banner
 from sheath_manip.dashboard.parts.cameras import Cameras
 from sheath_manip.dashboard.parts.controls import Controls
@@ -30,8 +30,13 @@ from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.types import TaskSpec
 
 
-def live(spec: TaskSpec, cockpit: Cockpit, playhead: Playhead) -> Layout:
-    """The page of a run that a person controls from `cockpit`."""
+def live(
+    spec: TaskSpec, cockpit: Cockpit, playhead: Playhead, gate: tuple[Maker, ...] = ()
+) -> Layout:
+    """The page of a run that a person controls from `cockpit`.
+
+    `gate` are the sliders of a gate that a person may adjust.
+    """
     following = _following(spec)
     return Layout(
         world=(
@@ -51,7 +56,7 @@ def live(spec: TaskSpec, cockpit: Cockpit, playhead: Playhead) -> Layout:
                 Counts,
                 partial(FollowBox, following=following),
             ),
-            "Support": (SupportMap,),
+            "Support": (*gate, SupportMap),
         },
     )
 

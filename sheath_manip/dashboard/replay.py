@@ -17,6 +17,7 @@ from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dashboard.shown import moment_of
+from sheath_manip.dashboard.tally import Share
 from sheath_manip.types import TaskSpec
 
 DRAW_RATE_HZ = 20.0

@@ -54,6 +54,12 @@ class JoinedSignal:
             signal.fit(policy, states, agreement)
         return self
 
+    def refit(self, states: Samples) -> Self:
+        """Refit every signal; joined as before, until `calibrate`."""
+        for signal in self.signals.values():
+            signal.refit(states)
+        return self
+
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """Learn how held-out expert `episodes` score; ParameterError where a signal has no score.
 
@@ -77,14 +83,17 @@ class JoinedSignal:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float64]:
         """(n,) weighted sums of log p; NaN where a signal has no score."""
-        return np.sum(
-            [
-                self.weights[name]
-                * log_share(signal.scores(images, features), self.references_[name])
-                for name, signal in self.signals.items()
-            ],
-            axis=0,
-        )
+        return np.sum(list(self.parts(images, features).values()), axis=0)
+
+    def parts(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> Mapping[str, NDArray[np.float64]]:
+        """(n,) what each signal adds to the score, by name."""
+        return {
+            name: self.weights[name]
+            * log_share(signal.scores(images, features), self.references_[name])
+            for name, signal in self.signals.items()
+        }
 
     def arrays(self) -> Arrays:
         """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""

@@ -1,5 +1,6 @@
 """A person at the page in Chromium: what the robot did is asserted first, the page second."""
 
+import math
 import os
 import signal
 import time
@@ -63,7 +64,7 @@ def grasp(running, opened) -> Iterator[OperatedGrasp]:
 def moved_m(grasp: OperatedGrasp, page: Page, least_m: float) -> NDArray:
     """(3,) how the tool moves from now on, once it is `least_m` away."""
     from_m = grasp.tool_m.copy()
-    wait_until(lambda: np.linalg.norm(grasp.tool_m - from_m) > least_m, "motion", page)
+    wait_until(lambda: math.dist(grasp.tool_m, from_m) > least_m, "motion", page)
     return grasp.tool_m - from_m
 
 
@@ -132,7 +133,7 @@ def test_the_gizmo_drags_the_arm(grasp, opened):
     page.mouse.down()
     page.mouse.move(*((start + end) / 2), steps=4)
     page.mouse.move(*end, steps=4)
-    wait_until(lambda: np.linalg.norm(grasp.tool_m - from_m) > 0.03, "motion", page)
+    wait_until(lambda: math.dist(grasp.tool_m, from_m) > 0.03, "motion", page)
     way_m = grasp.tool_m - from_m
     assert way_m @ across > 0.9 * np.linalg.norm(way_m)
     assert any(step.decision.reason is Reason.PERSON for step in grasp.steps[-20:])
