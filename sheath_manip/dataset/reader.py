@@ -80,7 +80,8 @@ class EpisodeReader(ABC):
     def mark(self, name: str, marks: Marks) -> None:  # noqa: ARG002
         """Keep what a person says of the episode; raises StoreError, also where none are kept."""
         raise StoreError(
-            f"{self.address} keeps no marks; merge it into a directory of this machine and mark it there"
+            f"{self.address} keeps no marks; merge it into a directory of this machine and "
+            "mark it there"
         )
 
     def summary(self, name: str) -> EpisodeSummary:
