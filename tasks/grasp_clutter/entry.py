@@ -52,9 +52,9 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 _FULL = LearningPlan(
     policy="spatial-cnn",
     policy_settings={"steps": 1000, "warm_steps": 500},
-    embedding="image-points",
+    embedding="wrist-convolutions",
     precedent_embedding="image-points",
-    false_alarm_rate=0.2,
+    false_alarm_rate=0.15,
     minimum_hold_steps=8,
     refit_unused=False,
     demonstrations=60,
