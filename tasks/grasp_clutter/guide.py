@@ -105,6 +105,7 @@ class GraspGuide:
             outlines_m=points,
             outline_heights_m=heights,
             raised_m=float(situation.positions_m[1:, 2].max()),
+            leaning_rad=float(np.arccos(min(situation.rotations[1:, 2, 2].min(), 1.0))),
         )
         return self._law.command(state)
 
