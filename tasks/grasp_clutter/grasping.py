@@ -82,7 +82,7 @@ class GraspLaw:
         grip = 2 * close - 1
         if close == 0.0 and not self._may_open(state, fit):
             grip = self.closing.holding_grip(state.closed_m)
-        # What leans was pushed: every way aside may push on, and turning does. Straight up does not.
+        # What leans was pushed. Any way aside may push on, and turning does; straight up does not.
         low = 1 - _ramp(state.tool_position_m[2] - (TRANSIT_HEIGHT_M - 0.05), 0.03)
         freeing = low * _ramp(state.leaning_rad - _UPRIGHT_RAD, 0.03)
         twist *= 1 - freeing
