@@ -51,11 +51,12 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 
 _FULL = LearningPlan(
     policy="spatial-cnn",
-    policy_settings={"steps": 1000, "warm_steps": 500},
+    policy_settings={"steps": 1000, "warm_steps": 600},
+    signal="near-joined",
     embedding="wrist-convolutions",
-    precedent_embedding="image-points",
-    false_alarm_rate=0.15,
-    minimum_hold_steps=8,
+    precedent_embedding="wrist-convolutions",
+    false_alarm_rate=0.1,
+    minimum_hold_steps=10,
     refit_unused=False,
     demonstrations=60,
     calibration=20,
@@ -83,8 +84,6 @@ GRASP_CLUTTER = TaskEntry(
         "quick": replace(
             _FULL,
             policy_settings={"steps": 60, "warm_steps": 20},
-            # So little training has no precedents to tell of.
-            signal="support",
             methods=("dagger", "sheath"),
             seeds=(0,),
             demonstrations=6,
