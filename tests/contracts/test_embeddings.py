@@ -127,7 +127,7 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
 def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones(name, embeddings):
     states, samples, embedding = reach.training(), reach.held_out(), embeddings[name]
     support = OneClassSupport().fit(embedding.transform(states.images, states.features))
-    black = samples.images | {"wrist": np.zeros_like(samples.images["wrist"])}
+    black = {**samples.images, "wrist": np.zeros_like(samples.images["wrist"])}
     natural, *others = (
         support.decision_function(embedding.transform(images, features))
         for images, features in (
