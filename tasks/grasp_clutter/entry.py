@@ -13,7 +13,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.grasp_clutter.claims import CLAIMS, RECIPE
 from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.scene import EASY
+from tasks.grasp_clutter.scene import EASY, MEDIUM
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
 from tasks.robots import stand_ins
 from tasks.robots.drive import RobotDrive
@@ -56,8 +56,10 @@ _FULL = LearningPlan(
     embedding="wrist-convolutions",
     precedent_embedding="wrist-convolutions",
     false_alarm_rate=0.1,
-    minimum_hold_steps=10,
+    minimum_hold_steps=5,
     refit_unused=False,
+    variant="medium",
+    final_variant="medium",
     demonstrations=60,
     calibration=20,
     check=10,
@@ -74,6 +76,7 @@ GRASP_CLUTTER = TaskEntry(
         "default": partial(make, Scenario()),
         # Every seed is a new scene, so the default's are new ones as well.
         "final": partial(make, Scenario()),
+        "medium": partial(make, Scenario(difficulty=MEDIUM)),
         "easy": partial(make, Scenario(difficulty=EASY)),
         "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },
