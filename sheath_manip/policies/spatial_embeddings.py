@@ -3,8 +3,8 @@
 How well the near precedent (`signals/near_precedent.py`) on each, beside the features at half its
 weight, tells the last 20 steps before something topples from the steps of episodes that succeed, as
 AUROC; the topples before which there is an alarm, 6 to 30 steps ahead, at a threshold that 5 % of
-the expert's steps fall below; and the steps of successes that it disturbs. Grasp in clutter, 36 hard
-tuning scenes, a policy cloned from 60 clean demonstrations, which toppled something in 20 of them:
+the expert's steps fall below; and the steps of successes that it disturbs. Grasp in clutter, 36
+hard tuning scenes, a policy cloned from 60 clean demonstrations, which toppled something in 20:
 
     embedding                                   AUROC   alarm before   disturbed
     wrist's convolutions on 4x4, whitened        .71        85 %          33 %
