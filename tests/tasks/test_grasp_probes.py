@@ -33,7 +33,7 @@ def test_a_displacement_is_where_its_name_says_and_is_undone_by_restoring(table,
     pose = drive.control.transform_tool_to_world(drive.positions_rad())
     seen = displacement.apply(table, np.random.default_rng(0))
     assert not np.array_equal(seen.images["wrist"], before.images["wrist"])
-    now = drive.commanded_tool_pose()
+    now = drive.control.transform_tool_to_world(drive.positions_rad())
     moved_m = np.linalg.norm(now[:3, 3] - pose[:3, 3])
     turn = now[:3, :3] @ pose[:3, :3].T
     turned_deg = np.rad2deg(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1)))
