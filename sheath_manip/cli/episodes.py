@@ -1,14 +1,14 @@
 """Episodes for a verb: run, or read where the store has them; and tables of what they showed."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.session import Session
+from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
-from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import redrawing
 from sheath_manip.metrics import (
@@ -47,22 +47,23 @@ def run_all(
     report: Callable[[str], None] = lambda _: None,
 ) -> Iterator[EpisodeRecord]:
     """Run each episode, or read it where `store` has it; `report` is told each outcome."""
-    recorders = (Recorder(store),) if store else ()
-    for info in infos:
-        if store and store.has(info):
-            episode = store.read(episode_name(info), need_images=False)
-        else:
-            episode = rollout(
-                environment,
-                info,
-                redrawing(gate, policy),
-                rng=generator("gate", info.method, info.run_seed, info.round, info.index),
-                policy=policy,
-                expert=expert,
-                listeners=(*recorders, *listeners),
-            )
-        report(str(episode.outcome))
-        yield record_of(episode)
+    with ExitStack() as stack:
+        recorders = [stack.enter_context(BackgroundRecorder(store))] if store else []
+        for info in infos:
+            if store and store.has(info):
+                episode = store.read(episode_name(info), need_images=False)
+            else:
+                episode = rollout(
+                    environment,
+                    info,
+                    redrawing(gate, policy),
+                    rng=generator("gate", info.method, info.run_seed, info.round, info.index),
+                    policy=policy,
+                    expert=expert,
+                    listeners=(*recorders, *listeners),
+                )
+            report(str(episode.outcome))
+            yield record_of(episode)
 
 
 def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Session) -> None:
