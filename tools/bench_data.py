@@ -35,9 +35,9 @@ BATCH = 256
 class Sizes:
     """How much is measured."""
 
-    task_episodes: int = 6
-    """of each task, recorded one after the other"""
-    turns: int = 9
+    task_episodes: int = 12
+    """of each task, one after the other; at the end of them the last one is waited for"""
+    turns: int = 5
     """in which they are, and are not"""
     stored_episodes: int = 20
     steps: int = 300
