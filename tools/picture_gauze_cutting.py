@@ -62,7 +62,7 @@ def _column(picture: NDArray[np.uint8], observation: Observation) -> NDArray[np.
     above = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
     seen = cv2.resize(observation.images[CAMERA], size, interpolation=cv2.INTER_NEAREST)
     gap = np.full((GAP_PX, SHOWN_PX, 3), 255, np.uint8)
-    return np.concatenate([above, gap, seen])
+    return np.concatenate([above, gap, seen]).astype(np.uint8)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -8,6 +8,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.gauze_cutting.expert import GauzeExpert, task_of
 from tasks.gauze_cutting.scene import CALM
+from tasks.gauze_cutting.steering import HEADING_CHANGE
 from tasks.gauze_cutting.task import GauzeTask, Scenario
 
 
@@ -28,6 +29,7 @@ GAUZE_CUTTING = TaskEntry(
         "default": partial(make, Scenario()),
         # Every seed is a new scene, so the default's are new ones as well.
         "final": partial(make, Scenario()),
+        "heading": partial(make, Scenario(steering=HEADING_CHANGE)),
         "calm": partial(make, Scenario(difficulty=CALM)),
     },
     expert=GauzeExpert,
