@@ -30,8 +30,8 @@ def reflected(samples: Samples, mirror: Mirror, rng: np.random.Generator) -> Sam
     for camera, pictures in samples.images.items():
         images[camera] = pictures.copy()
         images[camera][flipped] = pictures[flipped, :, ::-1]
-    signs = np.where(flipped[:, None], np.float32(mirror.features), np.float32(1))
-    turned = np.where(flipped[:, None], np.float32(mirror.action), np.float32(1))
+    signs = np.where(flipped[:, None], np.array(mirror.features, np.float32), 1)
+    turned = np.where(flipped[:, None], np.array(mirror.action, np.float32), 1)
     return replace(
         samples, images=images, features=samples.features * signs, labels=samples.labels * turned
     )

@@ -14,7 +14,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.grasp_clutter.claims import CLAIMS, RECIPE
 from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.scene import EASY
+from tasks.grasp_clutter.scene import EASY, MEDIUM
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
 from tasks.robots import stand_ins
 from tasks.robots.drive import RobotDrive
@@ -57,12 +57,15 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 
 _FULL = LearningPlan(
     policy="spatial-cnn",
-    policy_settings={"steps": 1000, "warm_steps": 500},
-    embedding="image-points",
-    precedent_embedding="image-points",
-    false_alarm_rate=0.2,
-    minimum_hold_steps=8,
+    policy_settings={"steps": 1000, "warm_steps": 600},
+    signal="near-joined",
+    embedding="wrist-convolutions",
+    precedent_embedding="wrist-convolutions",
+    false_alarm_rate=0.1,
+    minimum_hold_steps=5,
     refit_unused=False,
+    variant="medium",
+    final_variant="medium",
     demonstrations=60,
     calibration=20,
     check=10,
@@ -79,6 +82,7 @@ GRASP_CLUTTER = TaskEntry(
         "default": partial(make, Scenario()),
         # Every seed is a new scene, so the default's are new ones as well.
         "final": partial(make, Scenario()),
+        "medium": partial(make, Scenario(difficulty=MEDIUM)),
         "easy": partial(make, Scenario(difficulty=EASY)),
         "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },

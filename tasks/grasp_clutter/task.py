@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.types import Commanded, FirstView, Mirror, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
-from tasks.grasp_clutter.guide import GraspGuide, Situation
+from tasks.grasp_clutter.guide import WIDE_M, GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
 from tasks.grasp_clutter.rehearsal import solvable
 from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
@@ -84,7 +84,7 @@ class GraspTask(SheathTask):
             if self.scenario.command_filter
             else None,
         )
-        self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S)
+        self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S, WIDE_M)
         self._tally = Tally()
         self._scene: Scene | None = None
         self.laid_bodies = np.zeros(0, np.int64)

@@ -1,7 +1,10 @@
 """Mirror images of states."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from sheath_manip.policies import make_policy
 from sheath_manip.policies.augmentation import reflected
 from sheath_manip.types import Mirror
 from tests import reach
@@ -30,10 +33,6 @@ def test_half_of_the_states_become_their_mirror_images_and_the_rest_stay():
 
 
 def test_the_policy_learns_from_both_sides():
-    from dataclasses import replace
-
-    from sheath_manip.policies import make_policy
-
     spec = replace(reach.SPEC, mirror=MIRROR)
     right = reach.training().labels[:, 0] > 0
     policy = make_policy("spatial-cnn", spec, **reach.SETTINGS).fit(reach.training().take(right))
