@@ -37,10 +37,14 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 _FULL = LearningPlan(
     policy="spatial-cnn",
     policy_settings={"steps": 1000, "warm_steps": 400},
+    signal="near-joined",
     embedding="image-points",
     precedent_embedding="image-points",
     refit_unused=False,
+    minimum_hold_steps=5,
     demonstrations=30,
+    # The expert never leaves the line by itself: without a push nothing shows the way back to it.
+    demonstration_noise=0.1,
     calibration=15,
     check=8,
     rounds=5,
