@@ -18,6 +18,7 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.cockpit import Cockpit
     from sheath_manip.dashboard import Dashboard
+    from sheath_manip.dashboard.part import Maker
 
 NOT_LOOPBACK = (
     "Other machines can reach this page. They need the token of the address below, which travels "
