@@ -34,6 +34,8 @@ CAMERA = {
 """with which a browser introduces itself: before it viser counts nobody in"""
 SUBPROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
 READY = "ready"
+STALLED_S, AWAKE_S = 15.0, 0.5
+"""so that it just escapes being taken for dead: after 20 s of silence the server lets go of it"""
 
 
 @contextmanager
@@ -66,18 +68,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line, until it is killed or the page is gone."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("address", help="as the run printed it")
-    parser.add_argument("--stalled", action="store_true", help="never read")
+    parser.add_argument("--stalled", action="store_true", help="hardly ever read")
     options = parser.parse_args(arguments)
     with open_socket(
         options.address, "/", subprotocols=[SUBPROTOCOL], max_size=None, max_queue=1
     ) as socket:
         socket.send(msgspec.msgpack.encode(CAMERA))
         print(READY, flush=True)
+        awake_until_s = 0.0
         try:
-            while options.stalled:
-                time.sleep(1.0)
             while True:
                 socket.recv()
+                if options.stalled and time.monotonic() > awake_until_s:
+                    time.sleep(STALLED_S)
+                    awake_until_s = time.monotonic() + AWAKE_S
         except ConnectionClosed:
             return 0
 

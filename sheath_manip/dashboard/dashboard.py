@@ -1,6 +1,7 @@
 """The live page of a run: a listener that copies what happens, and a thread that draws it."""
 
 import contextlib
+import sys
 import threading
 from types import TracebackType
 from typing import Self
@@ -25,6 +26,8 @@ from sheath_manip.results import RoundResult
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 
 DRAW_RATE_HZ = 20.0
+SWITCH_INTERVAL_S = 0.0005
+"""after which the control loop gets the interpreter back from a thread that draws"""
 
 
 class Dashboard:
@@ -53,6 +56,8 @@ class Dashboard:
         self.cockpit = cockpit or Cockpit()
         label = f"sheath · {spec.name}"
         self._server = GuardedServer.open(host, port, token, label, self.cockpit)
+        # Else the loop waits up to 5 ms for its turn where a drawing is under way.
+        sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)

@@ -245,7 +245,7 @@ def test_a_simulation_that_cannot_hold_stands_still():
     cockpit = Cockpit(hands(Corridor()).guide, Passing())
     environment = Corridor()
     scripted = MiddleKeeper(environment)
-    stand_ins = dict.fromkeys((Turn.POLICY, Turn.HOLD, Turn.FALLBACK), scripted)
+    stand_ins = dict.fromkeys(Turn, scripted)
     gate = PersonGate(outside_between(3, 6), cockpit, 50.0, wait_s=2.0, can_hold=False)
     episode = rollout(
         OperatedEnvironment(environment, cockpit),
@@ -266,7 +266,8 @@ def test_a_demonstration_by_hand_is_the_persons():
 
 
 def test_discarding_ends_the_episode_at_its_next_step():
-    environment = OperatedEnvironment(Corridor(), cockpit := Cockpit())
+    cockpit = Cockpit(hands(Corridor()).guide)
+    environment = OperatedEnvironment(Corridor(), cockpit)
     environment.reset(0)
     cockpit.order(Order.DISCARD, "page")
     cockpit.now()
