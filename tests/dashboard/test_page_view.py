@@ -120,7 +120,7 @@ def test_replay_scrubs_jumps_marks_and_exports(
     name = store.names()[0]
     bad = ((first_later, first_later + 11),)
     wait_until(lambda: store.marks(name).bad == bad, "mark in the store", page)
-    page.get_by_role("textbox", name="Outcome").click()
+    page.get_by_role("combobox", name="Outcome").click()
     page.get_by_role("option", name="failure").click()
     wait_until(lambda: store.marks(name) == Marks(Outcome.FAILURE, bad), "outcome", page)
 
