@@ -23,7 +23,7 @@ from sheath_manip.measuring import measures_of
 from sheath_manip.methods import METHODS, Method, RoundContext, method_named
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
 from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Environment, Expert, Gate, Listener
+from sheath_manip.protocols import Environment, Expert, FollowsRounds, Gate, Listener
 from sheath_manip.recording import AskedOnce, Recording
 from sheath_manip.results import (
     EXPERT,
@@ -128,9 +128,12 @@ class LearningRun:
         method = method_named(method_name)
         done = self._finished(method.name)
         if done is not None:
+            for result in done:
+                self._tell(result)
             return done
         common = self.prepare()
         results = [read_result(self._path(EXPERT, 0, "json"))]
+        self._tell(results[0])
         labelled = [common.demonstrations]
         first, calibration = common.checkpoint, common.calibration
         checkpoint = self.checkpoints.begun(method, first, common.demonstrations, calibration)
@@ -152,8 +155,14 @@ class LearningRun:
                 )
                 write_result(path, measured)
             results.append(read_result(path))
+            self._tell(results[-1])
             checkpoint = refitted
         return results
+
+    def _tell(self, result: RoundResult) -> None:
+        for listener in self.listeners:
+            if isinstance(listener, FollowsRounds):
+                listener.on_round(result)
 
     def _fitted(self, checkpoint: Checkpoint, states: Samples) -> Checkpoint:
         self.report(f"{checkpoint.method} fit {checkpoint.round}")

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.results import RoundResult
 from sheath_manip.types import (
     Action,
     Episode,
@@ -239,6 +240,15 @@ class Gate(Protocol):
 
     def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
         """Decide for one step; `proposed` is None where the policy had nothing valid to say."""
+        ...
+
+
+@runtime_checkable
+class FollowsRounds(Protocol):
+    """A listener that wants to know what each round of learning came to."""
+
+    def on_round(self, result: RoundResult) -> None:
+        """Called after each round, and of those that were done before a run was resumed."""
         ...
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
-from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.discarding import until_kept
 from sheath_manip.evaluation import Report
@@ -69,7 +69,7 @@ class Recording:
         self.expert = expert
         self.run_seed = run_seed
         self.store = store
-        self.listeners = (Recorder(store), *listeners)
+        self.listeners = listeners
         self.report = report
 
     def episodes(
@@ -87,10 +87,15 @@ class Recording:
         `checkpoint` is the digest of the file that policy and gate are from.
         """
         infos = [self._info(purpose, method, number, index, checkpoint) for index in range(count)]
-        return [self._episode(info, gate, policy) for info in infos]
+        with BackgroundRecorder(self.store) as recorder:
+            return [self._episode(info, gate, policy, recorder) for info in infos]
 
     def _episode(
-        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Proposer | None
+        self,
+        info: EpisodeInfo,
+        gate: Callable[[], Gate],
+        policy: Proposer | None,
+        recorder: BackgroundRecorder,
     ) -> Episode:
         if self.store.has(info):
             episode = self.store.read(episode_name(info))
@@ -102,7 +107,7 @@ class Recording:
                 redrawing(gate(), policy),
                 policy=policy,
                 expert=self.expert,
-                listeners=self.listeners,
+                listeners=(recorder, *self.listeners),
             )
             episode = until_kept(attempt, info, self.report)
         self.report(f"{info.method} round {info.round}")

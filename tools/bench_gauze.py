@@ -37,7 +37,7 @@ class Sizes:
     resets: int = 100
 
 
-QUICK = Sizes(scenes=2, timed_scenes=1, exact_scenes=1, resets=5)
+QUICK = Sizes(scenes=1, timed_scenes=1, exact_scenes=1, resets=5)
 
 
 class Player:

@@ -1,15 +1,15 @@
 """Episodes for a verb: run, or read where the store has them; and tables of what they showed."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 
 from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.session import Session
+from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
-from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.discarding import until_kept
 from sheath_manip.gates import redrawing
@@ -48,23 +48,24 @@ def run_all(
     report: Callable[[str], None] = lambda _: None,
 ) -> Iterator[EpisodeRecord]:
     """Run each episode, or read it where `store` has it; `report` is told each outcome."""
-    recorders = (Recorder(store),) if store else ()
-    for info in infos:
-        if store and store.has(info):
-            episode = store.read(episode_name(info), need_images=False)
-        else:
-            attempt = partial(
-                rollout,
-                environment,
-                info,
-                redrawing(gate, policy),
-                policy=policy,
-                expert=expert,
-                listeners=(*recorders, *listeners),
-            )
-            episode = until_kept(attempt, info, report)
-        report(str(episode.outcome))
-        yield record_of(episode)
+    with ExitStack() as stack:
+        recorders = [stack.enter_context(BackgroundRecorder(store))] if store else []
+        for info in infos:
+            if store and store.has(info):
+                episode = store.read(episode_name(info), need_images=False)
+            else:
+                attempt = partial(
+                    rollout,
+                    environment,
+                    info,
+                    redrawing(gate, policy),
+                    policy=policy,
+                    expert=expert,
+                    listeners=(*recorders, *listeners),
+                )
+                episode = until_kept(attempt, info, report)
+            report(str(episode.outcome))
+            yield record_of(episode)
 
 
 def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Session) -> None:

@@ -55,13 +55,17 @@ class Address:
         # Only now: it takes seconds, and most calls want no page.
         from sheath_manip.dashboard import Dashboard
 
-        if not is_loopback(self.host):
-            session.err.print(f"[bold yellow]{NOT_LOOPBACK}")
+        self.warn(session)
         with Dashboard(
             spec, host=self.host, port=self.port, cockpit=cockpit, gate=gate
         ) as dashboard:
             session.announce(dashboard.address)
             yield dashboard
+
+    def warn(self, session: Session) -> None:
+        """Say what it means where other machines can reach the page."""
+        if not is_loopback(self.host):
+            session.err.print(f"[bold yellow]{NOT_LOOPBACK}")
 
     @contextmanager
     def listeners(

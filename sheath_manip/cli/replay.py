@@ -89,6 +89,7 @@ class Replay:
 
         # Before the page is there, so that what cannot be shown is told on the terminal.
         film = maker.film(place)
+        self.address.warn(session)
         page = ReplayPage(
             maker.spec,
             shelf,

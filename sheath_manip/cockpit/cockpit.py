@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit.given import EMPTY, Given, SixAxes
 from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
-from sheath_manip.cockpit.orders import Order, clamped_speed
+from sheath_manip.cockpit.orders import OF_ANY_RUN, Order, clamped_speed
 from sheath_manip.types import Outcome
 
 MOST_ORDERS = 64
@@ -148,11 +148,11 @@ class Cockpit:
 
         While somebody drives only that one gives orders, but for the emergency stop.
         """
-        if order is Order.STOP:
+        operated = self._state.operated
+        if order is Order.STOP and operated:
             self._stop.set()
             self._wake()
             return True
-        operated = self._state.operated
         holder = self.lease.holder
         if order is Order.TAKE_OVER:
             allowed = operated and self.lease.take(station)
@@ -161,7 +161,7 @@ class Cockpit:
         elif order is Order.HAND_BACK:
             allowed = operated and holder == station
         else:
-            allowed = holder in (None, station)
+            allowed = holder in (None, station) and (operated or order in OF_ANY_RUN)
         allowed = allowed and self._queue(order, value)
         if order is Order.HAND_BACK:
             self.lease.release(station)

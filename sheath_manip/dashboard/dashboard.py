@@ -22,6 +22,7 @@ from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.protocols import Environment
+from sheath_manip.results import RoundResult
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 
 DRAW_RATE_HZ = 20.0
@@ -66,6 +67,7 @@ class Dashboard:
         self._tally = Tally()
         self._film: Film | None = None
         self._training: Samples | None = None
+        self._results: tuple[RoundResult, ...] = ()
         self._server.viser.on_client_connect(self._greet)
         self.cockpit.on_change = self._drawer.wake
 
@@ -82,6 +84,11 @@ class Dashboard:
     def on_fit(self, states: Samples) -> None:
         """Show where policy and support were fitted."""
         self._training = states
+        self._drawer.wake()
+
+    def on_round(self, result: RoundResult) -> None:
+        """Show what a round of learning came to."""
+        self._results = (*self._results, result)
         self._drawer.wake()
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
@@ -163,6 +170,7 @@ class Dashboard:
                 series=self._tally.share(film.info),
                 outcomes=self._tally.outcomes(film.info),
                 training=self._training,
+                results=self._results,
                 paused=self.cockpit.paused,
                 present=present,
             )

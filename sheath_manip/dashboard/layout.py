@@ -13,6 +13,7 @@ from sheath_manip.dashboard.parts.episode_list import EpisodeList
 from sheath_manip.dashboard.parts.export import Export, Exporting
 from sheath_manip.dashboard.parts.follow import FollowBox
 from sheath_manip.dashboard.parts.interventions import Interventions
+from sheath_manip.dashboard.parts.learning import LearningCurves
 from sheath_manip.dashboard.parts.lines import Lines
 from sheath_manip.dashboard.parts.marking import Marking
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
@@ -57,6 +58,7 @@ def live(
                 partial(FollowBox, following=following),
             ),
             "Support": (*gate, SupportMap),
+            "Learning": (LearningCurves,),
         },
     )
 

@@ -51,9 +51,12 @@ function (settings) {
     target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
 
   function down(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
     const hotkey = settings.hotkeys[event.code], moves = state.operated && codes.has(event.code);
     if (!hotkey && !moves) return;
+    // Wherever the focus is: who wants to stop the robot does not look where that is.
+    const stops = hotkey === "emergency-stop";
+    const otherwise = event.ctrlKey || event.metaKey || event.altKey || typing(event.target);
+    if (otherwise && !stops) return;
     // Neither viser's camera nor a button that has the focus gets it.
     event.preventDefault();
     event.stopImmediatePropagation();

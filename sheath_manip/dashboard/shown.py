@@ -1,11 +1,12 @@
 """From an episode and a step in it to the moment that a page shows."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.tally import Share
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.results import RoundResult
 from sheath_manip.types import Outcome
 
 
@@ -18,6 +19,7 @@ def moment_of(
     training: Samples | None,
     paused: bool,
     present: bool,
+    results: Sequence[RoundResult] = (),
 ) -> Moment:
     """The step `at` of `film`, -1 before the first; the rest as in `Moment`.
 
@@ -38,6 +40,7 @@ def moment_of(
         series=series,
         outcomes=outcomes,
         training=training,
+        results=results,
         paused=paused,
         present=present,
     )

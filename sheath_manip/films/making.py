@@ -15,6 +15,8 @@ from sheath_manip.protocols import Environment
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Episode, TaskSpec
 
+KINDS = ("mp4", "html")
+
 
 class FilmMaker:
     """Owns the environment: all calls come from the thread that made it."""
@@ -40,26 +42,7 @@ class FilmMaker:
 
     def film(self, place: int) -> Film:
         """The episode at `place`; raises StoreError where it is not of this task and variant."""
-        return self._film_of(self._read(place))
-
-    def exported(self, place: int, kind: str) -> tuple[str, bytes]:
-        """A file of the episode at `place`, `mp4` or `html`: its name and its content."""
         episode = self._read(place)
-        film = self._film_of(episode)
-        pictures = self._pictures(episode, film)
-        video = mp4(frames(film, pictures), film.info.control_rate_hz)
-        name = f"{episode_name(film.info)}.{kind}"
-        if kind == "mp4":
-            return name, video
-        if kind == "html":
-            return name, html(film, video).encode()
-        raise ParameterError(f"an export of kind {kind!r}; wanted mp4 or html")
-
-    def close(self) -> None:
-        """Free the simulator."""
-        self._environment.close()
-
-    def _film_of(self, episode: Episode) -> Film:
         info = episode.info
         if info.task != self._task.name:
             raise StoreError(
@@ -74,14 +57,22 @@ class FilmMaker:
                 f"({error}); give the --variant that it was recorded in"
             ) from error
 
-    def _pictures(self, episode: Episode, film: Film) -> Pictures:
-        picture = self._task.picture
+    def exported(self, place: int, kind: str) -> tuple[str, bytes]:
+        """A file of the episode at `place`, `mp4` or `html`: its name and its content."""
+        film = self.film(place)
+        return exported(film, self._pictures(film), kind)
+
+    def close(self) -> None:
+        """Free the simulator."""
+        self._environment.close()
+
+    def _pictures(self, film: Film) -> Pictures | None:
+        environment, picture = self._environment, self._task.picture
         if picture is None:
-            return seen(film)
-        environment = self._environment
+            return None
 
         def drawn(step: int) -> NDArray[np.uint8]:
-            environment.pose_at(episode.steps[step].state)
+            environment.pose_at(film.steps[step].state)
             return picture(environment)
 
         return drawn
@@ -96,3 +87,17 @@ class FilmMaker:
             self._environment.close()
         self._run_seed = run_seed
         return made
+
+
+def exported(film: Film, pictures: Pictures | None, kind: str) -> tuple[str, bytes]:
+    """A file of `film`, `mp4` or `html`: its name and its content.
+
+    Without `pictures` it shows what the cameras saw. Raises ParameterError for another kind, and
+    where there was no camera either.
+    """
+    if kind not in KINDS:
+        raise ParameterError(f"an export of kind {kind!r}; wanted {' or '.join(KINDS)}")
+    drawn = frames(film, seen(film) if pictures is None else pictures)
+    video = mp4(drawn, film.info.control_rate_hz)
+    content = video if kind == "mp4" else html(film, video).encode()
+    return f"{episode_name(film.info)}.{kind}", content

@@ -1,7 +1,5 @@
 """The scripted expert: follows the circle as the deformed sheet shows it, from any state."""
 
-import numpy as np
-
 from sheath_manip.types import Action, Observation
 from tasks.composer_environment import ComposerEnvironment
 from tasks.gauze_cutting.guide import along_circle
@@ -31,4 +29,4 @@ class GauzeExpert:
         place = task.knife.place(lie, task.tip_m)
         drift = task.workpiece.velocity_m_s(place.corners)[:2]
         wanted = along_circle(lie, place.material_m, task.tip_velocity_m_s[:2], drift)
-        return wanted.astype(np.float32)
+        return task.scenario.steering.action_for(wanted, task.heading)

@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 
 from tasks.gauze_cutting.cutting.locating import Lie
 from tasks.gauze_cutting.geometry import RADIUS_M
-from tasks.gauze_cutting.steering import TOP_SPEED_M_S
 
 SPEED_M_S = 0.02
 """along the line"""
@@ -22,7 +21,7 @@ _MOST_RETURN_M_S = 0.024
 def along_circle(
     lie: Lie, material_m: NDArray, velocity_m_s: NDArray, drift_m_s: NDArray
 ) -> NDArray[np.float64]:
-    """(2,) action: shares of the top speed, world frame.
+    """(2,) velocity to ask for, m/s in the world frame.
 
     The blade is at (2,) `material_m` and moves at (2,) `velocity_m_s` in the world, over a sheet
     that itself moves at (2,) `drift_m_s`. What is commanded now acts once the blade has gone on by
@@ -39,8 +38,7 @@ def along_circle(
     along = SPEED_M_S * (1 - 0.7 * abs(back) / _MOST_RETURN_M_S)
     turned = along * _AHEAD_S / RADIUS_M / 2
     direction = np.cos(turned) * onwards - np.sin(turned) * outwards
-    velocity = to_world @ (along * direction + back * outwards) + drift_m_s
-    return np.clip(velocity / TOP_SPEED_M_S, -1.0, 1.0)
+    return to_world @ (along * direction + back * outwards) + drift_m_s
 
 
 def _gradient(lie: Lie, corners: NDArray) -> NDArray[np.float64]:

@@ -122,6 +122,6 @@ class Knife:
     def _cut(self, cut: Cut, data: mujoco.MjData, lie: Lie) -> None:
         # More cannot be written down for a restored episode to make again.
         if len(self.crack.cuts) == MOST_CUTS:
-            raise SparesExhausted
+            raise SparesExhausted(f"{MOST_CUTS} cuts have been made; wanted fewer")
         make(self._workpiece.sheet, cut, data, lie)
         self.crack.made(cut)

@@ -37,7 +37,8 @@ class OpenLoop:
         task = self._task
         place = self._lie.below(task.tip_m[:2], np.zeros(2), _EVERYWHERE_M)
         velocity = task.tip_velocity_m_s[:2]
-        return along_circle(self._lie, place.material_m, velocity, np.zeros(2)).astype(np.float32)
+        wanted = along_circle(self._lie, place.material_m, velocity, np.zeros(2))
+        return task.scenario.steering.action_for(wanted, task.heading)
 
 
 def nominal(task: GauzeTask) -> Lie:  # noqa: ARG001

@@ -5,7 +5,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.linalg import spsolve
 
 from tasks.gauze_cutting.cutting.elasticity import stretch_stiffness
 from tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, MEMBRANE, MESH
@@ -28,12 +27,12 @@ def clip_response() -> NDArray[np.float64]:
     free = np.flatnonzero(np.repeat(CLIP_OF_VERTEX < 0, 2))
     fixed = np.setdiff1d(np.arange(2 * count), free)
     force = -stiffness[free][:, fixed] @ columns[fixed]
-    columns[free] = spsolve(stiffness[free][:, free].tocsc(), force)
+    columns[free] = np.linalg.solve(stiffness[free][:, free], force)
     return columns.reshape(count, 2, 4, 2)
 
 
-def _stiffness():
-    """(2n, 2n) sparse, of all vertices along x and y in turn."""
+def _stiffness() -> NDArray[np.float64]:
+    """(2n, 2n) of all vertices along x and y in turn."""
     corners = MESH.points_m[MESH.triangles]
     upper = stretch_stiffness(corners, MEMBRANE)
     pairs = np.empty((len(upper), 3, 3))
@@ -50,5 +49,5 @@ def _stiffness():
     places = (2 * MESH.triangles[..., None] + np.arange(2)).reshape(-1, 6)
     size = 2 * len(MESH.points_m)
     rows, columns = np.broadcast_arrays(places[:, :, None], places[:, None, :])
-    flat = coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
-    return flat.tocsr()
+    summed = coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
+    return summed.toarray()

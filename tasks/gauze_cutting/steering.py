@@ -1,48 +1,77 @@
-"""From a velocity in the plane to a twist of the tool, whose depth and posture are servoed."""
+"""What an action says of the blade's velocity in the plane."""
 
-import mink
+from abc import ABC, abstractmethod
+
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.twist_control import TwistControl
+from sheath_manip.types import Action, ActionSpec
 
 TOP_SPEED_M_S = 0.03
-"""of an action of ones along an axis"""
-_GAIN_HZ = 4.0
-_MOST_STEPS = 12
-_CLOSE = 1e-5
-"""m and rad"""
+"""along an axis"""
+TOP_TURN_RAD = 0.5
+"""in a control step: half as much again as the blade could turn around a corner"""
 
 
-def planar_twist(
-    velocity_m_s: NDArray,
-    transform_tool_to_world: NDArray,
-    height_m: float,
-    rotation: NDArray,
-) -> NDArray[np.float64]:
-    """(6,) m/s and rad/s, world frame.
+class Steering(ABC):
+    """An action space. Velocities and headings are (2,) in the world frame; headings are 1 long."""
 
-    (2,) `velocity_m_s` in the plane; the tool, now at a (4, 4) pose, is held at `height_m` and at
-    (3, 3) `rotation`.
-    """
-    turn = mink.SO3.from_matrix(rotation @ transform_tool_to_world[:3, :3].T).log()
-    climb = _GAIN_HZ * (height_m - transform_tool_to_world[2, 3])
-    return np.concatenate([velocity_m_s, [climb], _GAIN_HZ * turn])
+    action: ActionSpec
+
+    @abstractmethod
+    def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:
+        """(2,) that (a,) `action` asks of a blade with that heading."""
+
+    @abstractmethod
+    def action_for(self, velocity_m_s: NDArray, heading: NDArray) -> Action:
+        """(a,) that comes nearest to asking for that velocity."""
 
 
-def joints_for(
-    control: TwistControl, start_rad: NDArray, position_m: NDArray, rotation: NDArray
-) -> NDArray[np.float64]:
-    """(j,) joints that put the tool at (3,) `position_m` and (3, 3) `rotation`.
+class PlanarVelocity(Steering):
+    """Both components of the velocity."""
 
-    `control` is asked for one step after another from (j,) `start_rad`.
-    """
-    joints = np.array(start_rad, float)
-    for _ in range(_MOST_STEPS):
-        pose = control.transform_tool_to_world(joints)
-        turn = mink.SO3.from_matrix(rotation @ pose[:3, :3].T).log()
-        error = np.concatenate([position_m - pose[:3, 3], turn])
-        if np.abs(error).max() < _CLOSE:
-            return joints
-        joints = control.joint_targets(joints, error / control.timestep_s)
-    return joints
+    action = ActionSpec(
+        names=("velocity_x", "velocity_y"),
+        minimum=-np.ones(2, np.float32),
+        maximum=np.ones(2, np.float32),
+        tolerance=0.1,
+    )
+    """as shares of `TOP_SPEED_M_S`"""
+
+    def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:  # noqa: ARG002
+        """In proportion."""
+        return TOP_SPEED_M_S * np.asarray(action, np.float64)
+
+    def action_for(self, velocity_m_s: NDArray, heading: NDArray) -> Action:  # noqa: ARG002
+        """In proportion, each component by itself within its bounds."""
+        return np.clip(velocity_m_s / TOP_SPEED_M_S, -1.0, 1.0).astype(np.float32)
+
+
+class HeadingChange(Steering):
+    """How fast, and how much to turn from where the blade is heading."""
+
+    action = ActionSpec(
+        names=("speed", "turn"),
+        minimum=np.array([0.0, -1.0], np.float32),
+        maximum=np.ones(2, np.float32),
+        tolerance=0.1,
+    )
+    """as shares of `TOP_SPEED_M_S`, and of `TOP_TURN_RAD`, to the left"""
+
+    def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:
+        """Along the turned heading."""
+        speed, turn = (float(value) for value in action)
+        cos, sin = np.cos(turn * TOP_TURN_RAD), np.sin(turn * TOP_TURN_RAD)
+        return TOP_SPEED_M_S * speed * (np.array([[cos, -sin], [sin, cos]]) @ heading)
+
+    def action_for(self, velocity_m_s: NDArray, heading: NDArray) -> Action:
+        """At its speed, in its direction as far as one may turn."""
+        along = float(heading @ velocity_m_s)
+        across = float(heading[0] * velocity_m_s[1] - heading[1] * velocity_m_s[0])
+        turn = np.arctan2(across, along) / TOP_TURN_RAD
+        speed = float(np.linalg.norm(velocity_m_s)) / TOP_SPEED_M_S
+        return np.clip([speed, turn], self.action.minimum, self.action.maximum).astype(np.float32)
+
+
+PLANAR_VELOCITY = PlanarVelocity()
+HEADING_CHANGE = HeadingChange()

@@ -10,15 +10,16 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import ActionSpec, Commanded, FirstView, Line, Outcome, Surface, TaskSpec
+from sheath_manip.types import Commanded, FirstView, Line, Outcome, Surface, TaskSpec
 from tasks.composer_environment import SheathTask
 from tasks.gauze_cutting.bench import BenchArena
 from tasks.gauze_cutting.drawn import lines_of, surface_of
 from tasks.gauze_cutting.geometry import CENTRE_M, RADIUS_M
 from tasks.gauze_cutting.knife import Knife
 from tasks.gauze_cutting.measures import overlap, path_measures
+from tasks.gauze_cutting.posing import joints_for, planar_twist
 from tasks.gauze_cutting.scene import DEFAULT, Difficulty, Scene, draw_scene
-from tasks.gauze_cutting.steering import TOP_SPEED_M_S, joints_for, planar_twist
+from tasks.gauze_cutting.steering import PLANAR_VELOCITY, Steering
 from tasks.gauze_cutting.workpiece import Workpiece
 from tasks.rendering import PyramidCamera
 from tasks.robots.drive import TWIST_SCALE, RobotDrive
@@ -43,20 +44,13 @@ _BOX_M = (
 """for the tip: over the sheet, and up to where the arm waits"""
 _PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
 
-ACTION = ActionSpec(
-    names=("velocity_x", "velocity_y"),
-    minimum=-np.ones(2, np.float32),
-    maximum=np.ones(2, np.float32),
-    tolerance=0.1,
-)
-"""of the blade in the world frame, as shares of `TOP_SPEED_M_S`"""
-
 
 @dataclass(frozen=True)
 class Scenario:
     """What a variant of the task may change."""
 
     difficulty: Difficulty = DEFAULT
+    steering: Steering = PLANAR_VELOCITY
     cameras: tuple[str, ...] = (CAMERA,)
     time_limit_s: float = 15.0
 
@@ -95,6 +89,7 @@ class GauzeTask(SheathTask):
         self._tally = Tally()
         self._scene: Scene | None = None
         self._heading, self._velocity = np.zeros(2), np.zeros(3)
+        self._steered_by = self._heading
         self.set_timesteps(CONTROL_TIMESTEP_S, PHYSICS_TIMESTEP_S)
         self._observables = OrderedDict(tool=observable.Generic(self._tool_features))
         cameras = {}
@@ -108,7 +103,7 @@ class GauzeTask(SheathTask):
         self.spec = TaskSpec(
             name="gauze-cutting",
             control_rate_hz=1 / CONTROL_TIMESTEP_S,
-            action=ACTION,
+            action=self.scenario.steering.action,
             cameras=cameras,
             feature_names=(*(f"tool_{axis}_m" for axis in "xyz"), "heading_cos", "heading_sin"),
             max_steps=max_steps,
@@ -188,13 +183,19 @@ class GauzeTask(SheathTask):
         return self._data.site_xpos[self._tip].copy()
 
     @property
+    def heading(self) -> NDArray[np.float64]:
+        """(2,) of length 1: which way the blade has moved last, world frame."""
+        return self._heading
+
+    @property
     def tip_velocity_m_s(self) -> NDArray[np.float64]:
         """(3,) of the blade in the last control step, world frame."""
         return self._velocity
 
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
         """Command the arm, and let the blade's friction act on it and on the sheet."""
-        velocity = TOP_SPEED_M_S * np.asarray(action, np.float64)
+        velocity = self.scenario.steering.velocity_m_s(action, self._heading)
+        self._steered_by = self._heading
         height = self.scene.centre_m[2] - DEPTH_M
         pose = self.drive.commanded_tool_pose()
         twist = planar_twist(velocity, pose, height, self._rotation) / TWIST_SCALE
@@ -313,8 +314,9 @@ class GauzeTask(SheathTask):
         of_arm = self.drive.commanded
         if of_arm is None:
             return None
-        velocity = of_arm.action[:2] * TWIST_SCALE[:2] / TOP_SPEED_M_S
-        return Commanded(velocity.astype(np.float32), of_arm.limited)
+        velocity = of_arm.action[:2] * TWIST_SCALE[:2]
+        executed = self.scenario.steering.action_for(velocity, self._steered_by)
+        return Commanded(executed, of_arm.limited)
 
     def _turn(self, moved_m: NDArray) -> None:
         """Note how the tip has moved; the heading follows it."""

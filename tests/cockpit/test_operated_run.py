@@ -266,7 +266,8 @@ def test_a_demonstration_by_hand_is_the_persons():
 
 
 def test_discarding_ends_the_episode_at_its_next_step():
-    environment = OperatedEnvironment(Corridor(), cockpit := Cockpit())
+    cockpit = Cockpit(hands(Corridor()).guide)
+    environment = OperatedEnvironment(Corridor(), cockpit)
     environment.reset(0)
     cockpit.order(Order.DISCARD, "page")
     cockpit.now()

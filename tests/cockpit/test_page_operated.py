@@ -167,6 +167,8 @@ def test_the_stop_is_latched_until_it_is_reset(grasp, opened):
     page.keyboard.down("j")
     grasp.until_turn(Turn.PERSON)
     moved_m(grasp, page, 0.02)
+    # Also where the focus is in a field.
+    page.get_by_role("textbox").first.focus()
     page.keyboard.press("Space")
     wait_until(lambda: grasp.cockpit.state.stopped, "stop", page)
     holds(grasp, page)
@@ -203,6 +205,25 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     grasp.inside = True
     page.keyboard.press("h")
     grasp.until_turn(Turn.POLICY)
+
+
+PUSHED = """
+() => {
+  const buttons = [...Array(17).keys()].map((n) => ({ pressed: n === 4 }));
+  navigator.getGamepads = () => [null, { connected: true, axes: [-1, 0, 0, 0], buttons }];
+}
+"""
+"""the left stick to the left, the left shoulder button held"""
+
+
+def test_a_gamepad_drives_the_arm(grasp, opened):
+    opened.keyboard.press("t")
+    wait_until(lambda: grasp.cockpit.state.taken, "takeover", opened)
+    opened.evaluate(PUSHED)
+    way_m = moved_m(grasp, opened, 0.03)
+    assert way_m[1] > 0.9 * np.linalg.norm(way_m)
+    opened.evaluate("() => { navigator.getGamepads = () => []; }")
+    holds(grasp, opened)
 
 
 def test_pause_step_and_speed(grasp, opened):

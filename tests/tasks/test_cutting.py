@@ -1,5 +1,6 @@
 """The cutting component on a small sheet of its own."""
 
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -115,17 +116,9 @@ def test_the_mesh_stays_a_mesh_while_a_ring_is_cut():
     area = area_m2(sheet, np.arange(len(MESH.triangles)))
     crack = Crack(sheet)
     follow(crack, circle(0.013, 260))
-    elements = sheet.active_elements
-    assert quality(sheet.rest_m[elements]).min() > 0.1
-    assert area_m2(sheet, np.arange(len(elements))) == pytest.approx(area, rel=1e-12)
-    for element, edges in zip(elements, sheet.element_edges, strict=False):
-        for corner in range(3):
-            ends = {int(vertex) for vertex in np.delete(element, corner)}
-            assert set(sheet.edges[edges[corner]]) == ends
-            assert element[corner] in sheet.flaps[edges[corner]]
-    for edge in sheet.active_edges:
-        owners = (sheet.element_edges[: len(elements)] == edge).any(axis=1).sum()
-        assert owners == 2 - (sheet.flaps[edge, 1] == NONE)
+    assert_a_mesh(sheet)
+    everything = np.arange(len(MESH.triangles))
+    assert area_m2(sheet, everything) == pytest.approx(area, rel=1e-12)
     pieces = free_pieces(sheet)
     assert len(pieces) == 1
     disc = area_m2(sheet, pieces[0])
@@ -133,6 +126,50 @@ def test_the_mesh_stays_a_mesh_while_a_ring_is_cut():
     wanted = np.pi * 0.013**2
     # Chords of a mesh size: their circle is not quite the circle.
     assert shared / (disc + wanted - shared) > 0.97
+
+
+def assert_a_mesh(sheet: Sheet) -> None:
+    """Elements, edges and flaps agree, and no element is a sliver."""
+    elements, count = sheet.active_elements, len(sheet.active_elements)
+    assert quality(sheet.rest_m[elements]).min() > 0.1
+    own = sheet.element_edges[:count]
+    for corner in range(3):
+        ends = np.sort(np.delete(elements, corner, axis=1), axis=1)
+        np.testing.assert_array_equal(np.sort(sheet.edges[own[:, corner]], axis=1), ends)
+        assert (sheet.flaps[own[:, corner]] == elements[:, [corner]]).any(axis=1).all()
+    owners = np.bincount(own.ravel(), minlength=len(sheet.edges))
+    used = sheet.active_edges
+    np.testing.assert_array_equal(owners[used], 2 - (sheet.flaps[used, 1] == NONE))
+
+
+def wandering(seed: int) -> np.ndarray:
+    """(n, 2) a blade that turns at random, crosses its own cut and comes near the rim."""
+    rng = np.random.default_rng(seed)
+    point, heading, turn, path = rng.uniform(-0.01, 0.01, 2), rng.uniform(-np.pi, np.pi), 0.0, []
+    for _ in range(300):
+        turn = 0.9 * turn + rng.normal(0, 0.06)
+        heading += turn
+        way = np.array([np.cos(heading), np.sin(heading)])
+        point = point + rng.uniform(2e-4, 1.3e-3) * way
+        if np.abs(point).max() > 0.022:
+            heading += np.pi / 2
+            point = np.clip(point, -0.022, 0.022)
+        path.append(point)
+    return np.array(path)
+
+
+def test_wherever_the_blade_goes_the_mesh_stays_a_mesh():
+    sheet = sheet_in(simulation())
+    everything = np.arange(len(MESH.triangles))
+    area = area_m2(sheet, everything)
+    for seed in range(6):
+        sheet.restore()
+        crack = Crack(sheet)
+        with suppress(SparesExhausted):
+            follow(crack, wandering(seed))
+        assert len(crack.cuts) > 20
+        assert_a_mesh(sheet)
+        assert area_m2(sheet, everything) == pytest.approx(area, rel=1e-12)
 
 
 def test_the_area_in_a_circle_is_exact():

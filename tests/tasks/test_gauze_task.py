@@ -15,6 +15,7 @@ from tasks.gauze_cutting.measures import path_measures
 from tasks.gauze_cutting.open_loops import nominal, registered
 from tasks.gauze_cutting.resting import clip_response
 from tasks.gauze_cutting.scene import CALM, DEFAULT, NOMINAL, Slip, draw_scene
+from tasks.gauze_cutting.steering import HEADING_CHANGE, PLANAR_VELOCITY
 from tasks.gauze_cutting.task import (
     CONTROL_TIMESTEP_S,
     DEPTH_M,
@@ -130,7 +131,7 @@ def test_the_blade_starts_on_the_line_and_below_the_sheet(bench):
 
 def test_the_depth_is_servoed_and_the_velocity_is_what_was_asked(bench):
     bench.environment.reset(SEED)
-    along = (0.5 * bench.task._heading).astype(np.float32)
+    along = (0.5 * bench.task.heading).astype(np.float32)
     bench.steps(5, along)
     before = bench.task.tip_m
     bench.steps(5, along)
@@ -250,6 +251,37 @@ def test_the_expert_comes_back_to_the_line(bench, aside_m):
     assert bench.environment.outcome() is Outcome.TIME_LIMIT
     path = bench.task.knife.path_m
     assert np.abs(np.linalg.norm(path[-5:], axis=1) - RADIUS_M).max() < 3e-4
+
+
+@pytest.mark.parametrize("steering", [PLANAR_VELOCITY, HEADING_CHANGE])
+def test_an_action_asks_for_the_velocity_that_it_was_made_for(steering):
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        angle = rng.uniform(-np.pi, np.pi)
+        heading = np.array([np.cos(angle), np.sin(angle)])
+        turned = angle + rng.uniform(-0.45, 0.45)
+        velocity = rng.uniform(0.001, 0.03) * np.array([np.cos(turned), np.sin(turned)])
+        action = steering.action.validated(steering.action_for(velocity, heading))
+        np.testing.assert_allclose(
+            steering.velocity_m_s(action, heading), velocity, rtol=1e-5, atol=1e-9
+        )
+    # Backwards is not to be had by turning; faster than the fastest by neither.
+    far = steering.action_for(np.array([-1.0, 0.0]), np.array([1.0, 0.0]))
+    assert np.linalg.norm(steering.velocity_m_s(far, np.array([1.0, 0.0]))) == pytest.approx(0.03)
+    still = steering.action_for(np.zeros(2), np.array([1.0, 0.0]))
+    assert not steering.velocity_m_s(still, np.array([1.0, 0.0])).any()
+
+
+def test_the_expert_steers_by_heading_as_well():
+    task = GauzeTask(Scenario(cameras=(), difficulty=CALM, steering=HEADING_CHANGE))
+    environment = ComposerEnvironment(task)
+    expert = GauzeExpert(environment)
+    environment.reset(SEED)
+    for _ in range(60):
+        environment.step(expert.act(environment.observe()))
+    assert environment.metrics()["largest_deviation_mm"] < 0.8
+    assert environment.metrics()["covered"] > 0.3
+    environment.close()
 
 
 def test_the_open_loop_looks_once(bench):

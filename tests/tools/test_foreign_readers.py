@@ -18,14 +18,16 @@ ZARR_2 = READERS["zarr2"]
 
 
 @pytest.fixture(scope="module")
-def python(pytestconfig) -> Path:
+def python(pytestconfig, tmp_path_factory) -> Path:
     """Of the venv, kept in pytest's cache; skips where no registry gives its packages."""
+    cache = getattr(pytestconfig, "cache", None)
+    folder = cache.mkdir("zarr-2.18.7") if cache else tmp_path_factory.mktemp("zarr-2.18.7")
     with pytest.MonkeyPatch.context() as patch:
         # Without a network this shall take seconds.
         patch.setenv("PIP_RETRIES", "0")
         patch.setenv("PIP_DEFAULT_TIMEOUT", "10")
         try:
-            return make_venv(pytestconfig.cache.mkdir("zarr-2.18.7"), ZARR_2)
+            return make_venv(folder, ZARR_2)
         except subprocess.CalledProcessError as error:
             pytest.skip(f"no registry gives {' '.join(ZARR_2.packages)} ({error})")
 

@@ -20,7 +20,11 @@ class Transport:
         self.scrubber = gui.add_slider("Step", min=0, max=1, step=1, initial_value=0)
         self.steps = gui.add_button_group("Go", tuple(STEPS))
         self.speed = gui.add_slider(
-            "Speed", min=SLOWEST, max=FASTEST, step=0.1, initial_value=player.now.speed
+            "Speed",
+            min=min(SLOWEST, player.now.speed),
+            max=max(FASTEST, player.now.speed),
+            step=0.1,
+            initial_value=player.now.speed,
         )
         self._note = gui.add_html("", visible=False)
 

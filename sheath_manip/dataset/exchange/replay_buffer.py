@@ -55,7 +55,7 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
 
 def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
     root = zarr.create_group(folder, zarr_format=2)
-    data, meta = root.create_group("data"), root.create_group("meta")
+    data, meta = (_Columns(root.create_group(name)) for name in ("data", "meta"))
     headers: list[Header] = []
     limited: list[NDArray | None] = []
     ends, finals = [0], defaultdict[str, list[NDArray]](list)
@@ -65,20 +65,20 @@ def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoi
             if spec.path.startswith("final/"):
                 finals[flat(spec.path)].append(arrays[spec.path])
             elif spec.path != LIMITED:
-                _append(data, flat(spec.path), arrays[spec.path])
-        _append(data, "action", arrays[action])
+                data.append(flat(spec.path), arrays[spec.path])
+        data.append("action", arrays[action])
         limited.append(arrays.get(LIMITED))
         finals["terminated"].append(np.array(header.terminated))
         finals["truncated"].append(np.array(header.truncated))
         finals["success"].append(np.array(header.outcome is Outcome.SUCCESS))
         ends.append(ends[-1] + header.length)
         headers.append(header)
-    _append(meta, "episode_ends", np.array(ends[1:], np.int64))
+    meta.append("episode_ends", np.array(ends[1:], np.int64))
     for name, values in finals.items():
-        _append(meta, name, np.stack(values))
+        meta.append(name, np.stack(values))
     limits = sorted({limit for header in headers for limit in header.limits})
     if limits:
-        _append(data, LIMITED, _common(headers, limited, limits))
+        data.append(LIMITED, _common(headers, limited, limits))
     root.attrs[ATTRIBUTE] = {
         "action": action.value,
         "limits": limits,
@@ -104,19 +104,25 @@ def flat(path: str) -> str:
     return path.replace("images/", "image_").replace("/", "_")
 
 
-def _append(group: zarr.Group, name: str, values: NDArray) -> None:
-    if name in group:
-        array = group[name]
-        assert isinstance(array, zarr.Array)
-        array.append(values)
-        return
-    group.create_array(
-        name,
-        data=np.ascontiguousarray(values),
-        chunks=(FRAMES_PER_CHUNK, *(max(1, size) for size in values.shape[1:])),
-        compressors=Zstd(level=1),
-        config={"write_empty_chunks": True},
-    )
+class _Columns:
+    """A flat group whose arrays grow by rows."""
+
+    def __init__(self, group: zarr.Group) -> None:
+        self.group = group
+        # An array that is opened again has forgotten that it is to write chunks of zeros too.
+        self._arrays: dict[str, zarr.Array] = {}
+
+    def append(self, name: str, values: NDArray) -> None:
+        if name in self._arrays:
+            self._arrays[name].append(values)
+            return
+        self._arrays[name] = self.group.create_array(
+            name,
+            data=np.ascontiguousarray(values),
+            chunks=(FRAMES_PER_CHUNK, *(max(1, size) for size in values.shape[1:])),
+            compressors=Zstd(level=1),
+            config={"write_empty_chunks": True},
+        )
 
 
 def _pack(folder: Path, target: Path) -> None:

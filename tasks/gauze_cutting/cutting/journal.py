@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tasks.gauze_cutting.cutting.locating import Lie
-from tasks.gauze_cutting.cutting.severing import Doubled, edge_between, sever
+from tasks.gauze_cutting.cutting.severing import Doubled, edge_between, require_spares, sever
 from tasks.gauze_cutting.cutting.sheet import Sheet
 from tasks.gauze_cutting.cutting.snapping import snap
 
@@ -38,9 +38,10 @@ class Cut:
 def make(sheet: Sheet, cut: Cut, data: mujoco.MjData, lie: Lie) -> list[Doubled]:
     """Cut a sheet in a running simulation, whose kinematics are up to date and stay so.
 
-    `lie` is how the sheet lies, and follows. Raises SparesExhausted, with sheet and data as they
-    were but for the snapped vertex.
+    `lie` is how the sheet lies, and follows. Raises SparesExhausted before anything has changed.
     """
+    if cut.start != cut.end:
+        require_spares(sheet)
     if cut.snapped_m is not None:
         _carry(sheet, cut.end, np.array(cut.snapped_m), data, lie)
     doubled = make_again(sheet, cut)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from tasks.gauze_cutting.cutting.sheet import Sheet
 
@@ -73,7 +73,7 @@ class Lie:
     def positions_of(self, material_m: NDArray) -> NDArray[np.float64]:
         """(k, 3) where (k, 2) material points are in the world: quicker for many, for pictures."""
         middles = self.material_m[self.elements].mean(axis=1)
-        _, near = cKDTree(middles).query(material_m, k=_CANDIDATES)
+        _, near = KDTree(middles).query(material_m, k=_CANDIDATES)
         corners = self.elements[near]
         points = np.repeat(material_m, _CANDIDATES, axis=0)
         flat = barycentric(self.material_m[corners].reshape(-1, 3, 2), points)

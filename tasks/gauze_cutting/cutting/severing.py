@@ -35,6 +35,15 @@ def edge_between(sheet: Sheet, start: int, end: int) -> int | None:
     return None
 
 
+def require_spares(sheet: Sheet) -> None:
+    """Raise SparesExhausted where the pool may not do for one more edge."""
+    if sheet.spare_edges < 1 or sheet.spare_vertices < _MOST_DOUBLED:
+        raise SparesExhausted(
+            f"{sheet.spare_edges} spare edges and {sheet.spare_vertices} spare vertices are left; "
+            f"wanted 1 and {_MOST_DOUBLED}: compile the sheet with more spare triangles"
+        )
+
+
 def sever(sheet: Sheet, edge: int) -> list[Doubled]:
     """Cut `edge`; the copies lie where their vertices do.
 
@@ -44,8 +53,7 @@ def sever(sheet: Sheet, edge: int) -> list[Doubled]:
     start, end = (int(vertex) for vertex in sheet.edges[edge])
     if sheet.flaps[edge, 1] == NONE or sheet.pinned[[start, end]].any():
         raise ParameterError(f"edge {edge} is on the rim or pinned; wanted an inner, free one")
-    if sheet.spare_edges < 1 or sheet.spare_vertices < _MOST_DOUBLED:
-        raise SparesExhausted
+    require_spares(sheet)
     _open(sheet, edge)
     return [each for vertex in (start, end) for each in _split(sheet, vertex)]
 

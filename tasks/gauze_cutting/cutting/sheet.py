@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, SheathError
 from tasks.gauze_cutting.cutting.elasticity import (
     Membrane,
     bending_stiffness,
@@ -18,7 +18,7 @@ NONE = -1
 """in place of a flap's tip where an edge has an element on one side only"""
 
 
-class SparesExhausted(Exception):
+class SparesExhausted(SheathError):
     """The pool has not enough left for another cut; the sheet stays as it was."""
 
 

@@ -1,0 +1,46 @@
+"""A recorder that writes an episode while the next one already runs."""
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from types import TracebackType
+from typing import Self
+
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.types import Episode
+
+
+class BackgroundRecorder(Recorder):
+    """As `Recorder`, used as a context, at whose end every episode is on the disk.
+
+    Most of what recording takes is waiting for the disk, so another thread does it. One episode is
+    written at a time: the next one waits for it. What went wrong is raised when the next episode
+    ends or at the end of the context, whichever is first, and nothing is recorded after it.
+    """
+
+    def __init__(self, store: EpisodeStore) -> None:
+        super().__init__(store)
+        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="recorder")
+        self._written: Future[str] | None = None
+
+    def on_end(self, episode: Episode) -> None:
+        """Begin to append the episode; raises StoreError where the one before could not be."""
+        self._wait()
+        self._written = self._thread.submit(self.store.append, episode)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Wait until the last episode is on the disk; raises StoreError where it could not be."""
+        self._thread.shutdown()
+        self._wait()
+
+    def _wait(self) -> None:
+        written, self._written = self._written, None
+        if written is not None:
+            written.result()
