@@ -48,6 +48,11 @@ class NearPrecedentSignal:
         self.action_units_ = np.asarray(np.sqrt(self.action_weight) / moved, np.float32)
         return self._take(self._joined(vectors, states.labels))
 
+    def refit(self, states: Samples) -> Self:
+        """Distances have no parameters to be fitted."""
+        del states
+        return self
+
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """A distance needs no held-out states."""
         del episodes
