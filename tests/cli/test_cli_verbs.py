@@ -165,7 +165,9 @@ def test_nu_fits_the_support_anew(made):
         assert isinstance(fitted.signal, JoinedSignal)
         support = fitted.signal.signals["support"]
         inside[nu] = float((support.scores(states.images, states.features) >= 0).mean())
-    assert inside[0.5] < 0.75 < inside[0.05]
+    # nu bounds the share outside, so at least half stays inside.
+    assert 0.5 <= inside[0.5] < inside[0.05]
+    assert inside[0.05] >= 0.95
 
 
 @pytest.mark.parametrize("which", ["0", "-1"])
