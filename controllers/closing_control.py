@@ -2,6 +2,10 @@
 
 from dataclasses import dataclass
 
+WIDTHS = 0.5
+"""grips from minus to plus this hold a width; beyond, the gripper is opened or closed for good. Or
+else a regressed -0.97 closes it a little, and nobody has demonstrated what to do then"""
+
 
 @dataclass(frozen=True)
 class ClosingControl:
@@ -18,9 +22,9 @@ class ClosingControl:
         """The servo's target (m closed) at the end of a control step that starts with `target_m`.
 
         `closed_m` is how far the fingers are closed; `grip` is -1 (open) .. 1 (closed), in between
-        a width to hold.
+        `WIDTHS` a width to hold.
         """
-        share = 0.5 * (1.0 + min(max(grip, -1.0), 1.0))
+        share = 0.5 * (1.0 + min(max(grip / WIDTHS, -1.0), 1.0))
         wished = share * (self.opening_m + self.squeeze_m)
         step = self.speed_m_s * timestep_s
         led = min(max(target_m, closed_m - self.squeeze_m), closed_m + self.squeeze_m)
@@ -28,4 +32,5 @@ class ClosingControl:
 
     def holding_grip(self, closed_m: float) -> float:
         """The grip that leaves the fingers where they are."""
-        return min(2 * closed_m / (self.opening_m + self.squeeze_m) - 1, 1.0)
+        share = closed_m / (self.opening_m + self.squeeze_m)
+        return WIDTHS * min(2 * share - 1, 1.0)

@@ -16,7 +16,8 @@ class LearningPlan:
     policy_settings: Mapping[str, Any] = field(default_factory=dict)
     """hyperparameters of the policy, by name"""
     signal: str = "joined"
-    """what the gate looks at: the support, the precedent of the proposed action, or both joined"""
+    """what the gate looks at: the support, the precedent of the proposed action, or both joined;
+    for continuous actions the precedent is a near one"""
     embedding: str = "convolutions-and-pixels"
     """on which the support is estimated"""
     support: str = "one-class-svm"

@@ -41,9 +41,12 @@ class TaskEntry:
     figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
     """figures of this task alone, by name"""
     picture: Callable[[Any], NDArray[np.uint8]] | None = None
-    """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at"""
+    """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at, or
+    none with a picture large enough"""
     claims: Sequence[Claim] = ()
     """what is claimed of its experiment's results"""
+    plan_claims: Mapping[str, Sequence[Claim]] = field(default_factory=dict)
+    """likewise of other plans than `full`, whose results lie in NAME-PLAN"""
     probes: Probes | None = None
     """what its gates are tested with"""
 

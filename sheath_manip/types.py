@@ -119,6 +119,16 @@ class FirstView:
 
 
 @dataclass(frozen=True)
+class Mirror:
+    """A reflection after which the task is what it was, with every camera's image flipped."""
+
+    features: tuple[float, ...]
+    """(f,) 1 or -1: the sign that each feature takes on"""
+    action: tuple[float, ...]
+    """(a,) likewise of each dimension of an action"""
+
+
+@dataclass(frozen=True)
 class TaskSpec:
     """What the core is told about a task."""
 
@@ -137,6 +147,8 @@ class TaskSpec:
     """the two features that span the task's natural plane (metres), where it has one"""
     first_view: FirstView | None = None
     """None: the whole scene, from above"""
+    mirror: Mirror | None = None
+    """left for right, where robot, cameras and scenes know no difference"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,6 +318,16 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
+class Line:
+    """A line that moves and grows, as it is at one moment."""
+
+    points_m: NDArray[np.float32]
+    """(k, 3) in the world frame; fewer than two are nothing"""
+    rgb: tuple[float, float, float]
+    """each 0..1"""
+
+
+@dataclass(frozen=True, eq=False)
 class ScenePose:
     """How a scene stands at one moment, in the world frame."""
 
@@ -317,3 +339,5 @@ class ScenePose:
     """(c, 3) where bodies touch"""
     surfaces: tuple[Surface, ...] = ()
     """always as many"""
+    lines: tuple[Line, ...] = ()
+    """always as many: what is drawn on surfaces, such as a target and what is done of it"""

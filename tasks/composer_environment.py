@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from sheath_manip.types import (
     Action,
     Commanded,
+    Line,
     Observation,
     Outcome,
     SceneGeom,
@@ -68,6 +69,10 @@ class SheathTask(composer.Task):
 
     def surfaces(self, physics: mjcf.Physics) -> tuple[Surface, ...]:  # noqa: ARG002
         """What deforms, as it is now; always as many."""
+        return ()
+
+    def lines(self, physics: mjcf.Physics) -> tuple[Line, ...]:  # noqa: ARG002
+        """What viewers draw into the scene; always as many."""
         return ()
 
     def commanded(self) -> Commanded | None:
@@ -180,6 +185,7 @@ class ComposerEnvironment:
             self.task.tool_m(physics),
             data.contact.pos[touching],
             self.task.surfaces(physics),
+            self.task.lines(physics),
         )
 
     def close(self) -> None:

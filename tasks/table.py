@@ -2,11 +2,13 @@
 
 from sheath_manip.task import TaskEntry
 from tasks.driving.entry import DRIVING
+from tasks.gauze_cutting.entry import GAUZE_CUTTING
 from tasks.grasp_clutter.entry import GRASP_CLUTTER
 from tasks.platformer.entry import PLATFORMER
 
 TASKS: dict[str, TaskEntry] = {
     "driving": DRIVING,
+    "gauze-cutting": GAUZE_CUTTING,
     "grasp-clutter": GRASP_CLUTTER,
     "platformer": PLATFORMER,
 }

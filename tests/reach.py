@@ -33,6 +33,9 @@ SETTINGS: dict[str, Any] = {
     "warm_steps": 20,
     "batch_size": 32,
     "learning_rate": 3e-3,
+    # Here the place of the hand to the millimetre is what decides.
+    "shift_px": 0,
+    "feature_noise": 0.02,
 }
 """with which the toy is learned in seconds"""
 

@@ -19,4 +19,6 @@ class Claims:
         tasks = session.tasks().values()
         gates = [claim for task in tasks if task.probes for claim in task.probes.claims]
         claims = {task.name: task.claims for task in tasks} | {"gates": gates}
+        for task in tasks:
+            claims |= {f"{task.name}-{plan}": own for plan, own in task.plan_claims.items()}
         return print_claims(verdicts(self.results, claims), session.out)

@@ -14,6 +14,7 @@ from sheath_manip.dashboard.parts.export import Export, Exporting
 from sheath_manip.dashboard.parts.follow import FollowBox
 from sheath_manip.dashboard.parts.interventions import Interventions
 from sheath_manip.dashboard.parts.learning import LearningCurves
+from sheath_manip.dashboard.parts.lines import Lines
 from sheath_manip.dashboard.parts.marking import Marking
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.support_map import SupportMap
@@ -42,6 +43,7 @@ def live(
         world=(
             partial(SceneView, following=following),
             Surfaces,
+            Lines,
             Trail,
             Cameras,
             partial(ToolGizmo, cockpit=cockpit),
@@ -65,7 +67,7 @@ def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting)
     """The page of recorded episodes."""
     following = _following(spec)
     return Layout(
-        world=(partial(SceneView, following=following), Surfaces, Trail, Cameras),
+        world=(partial(SceneView, following=following), Surfaces, Lines, Trail, Cameras),
         head=(Trouble, Banner, partial(Transport, player=player)),
         tabs={
             "Episode": (

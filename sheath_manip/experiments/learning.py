@@ -121,7 +121,9 @@ def _summary(
     }
     store = EpisodeStore(runs / "store")
     expert = [record_of(e) for e in store.episodes(method=EXPERT, need_images=False)]
-    return summarise(task.name, plan, results, expert, command, wall_s)
+    environment = task.make_for_run(plan.variant, plan.seeds[0])
+    environment.close()
+    return summarise(task.name, plan, results, expert, command, wall_s, environment.spec.metric)
 
 
 def _figures(

@@ -14,7 +14,7 @@ from sheath_manip.policies.convolutional_embeddings import (
     RandomConvolutions,
     TwoScaleConvolutions,
 )
-from sheath_manip.policies.features import Features
+from sheath_manip.policies.features import Features, ScaledFeatures
 from sheath_manip.policies.hog_svm import HogSvm
 from sheath_manip.policies.linear_svm import LinearSvm
 from sheath_manip.policies.pixels import Pixels
@@ -22,6 +22,7 @@ from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
 from sheath_manip.policies.smile import SmileMixture
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
+from sheath_manip.policies.spatial_embeddings import CameraConvolutions, ImagePoints
 from sheath_manip.policies.weighted_features import WeightedFeatures
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
@@ -71,11 +72,29 @@ IMAGE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "pixels": Pixels,
     "pixels-whitened": lambda: Pixels(Whitening()),
 }
+
+
+def _and_features(seen: Embedding) -> SideBySide:
+    """What the cameras see, and what the robot feels of itself."""
+    return SideBySide({"seen": seen, "felt": ScaledFeatures()}, {"seen": 2.0, "felt": 1.0})
+
+
+SPATIAL_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
+    "image-points": lambda: _and_features(ImagePoints()),
+    "image-points-whitened": lambda: _and_features(ImagePoints(Whitening())),
+    "camera-convolutions": lambda: _and_features(CameraConvolutions()),
+    "camera-convolutions-whitened": lambda: _and_features(CameraConvolutions(Whitening())),
+    "wrist-convolutions": lambda: _and_features(
+        CameraConvolutions(Whitening(), cameras=("wrist",))
+    ),
+    "pixels-and-features": lambda: _and_features(Pixels(Whitening(), side=12)),
+}
+"""of `spatial-cnn`, which looks through several cameras and at features"""
 FEATURE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "features": Features,
     "weighted-features": WeightedFeatures,
 }
-EMBEDDINGS = IMAGE_EMBEDDINGS | FEATURE_EMBEDDINGS
+EMBEDDINGS = IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | FEATURE_EMBEDDINGS
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
 
@@ -96,5 +115,5 @@ def make_embedding(name: str = DEFAULT_EMBEDDING) -> Embedding:
 
 def embeddings_like(name: str) -> list[str]:
     """All that look at the same part of the observation as the one of that name."""
-    table = FEATURE_EMBEDDINGS if name in FEATURE_EMBEDDINGS else IMAGE_EMBEDDINGS
-    return list(table)
+    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, FEATURE_EMBEDDINGS)
+    return next(list(table) for table in tables if name in table)

@@ -1,7 +1,12 @@
 """What may be done to training images without changing what the expert would do."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.types import Mirror
 
 
 def shifted(images: NDArray[np.uint8], most_px: int, rng: np.random.Generator) -> NDArray[np.uint8]:
@@ -16,3 +21,17 @@ def shifted(images: NDArray[np.uint8], most_px: int, rng: np.random.Generator) -
     for number, (down, right) in enumerate(rng.integers(-most_px, most_px + 1, (len(images), 2))):
         moved[number] = np.roll(images[number], (down, right), axis=(0, 1))
     return moved
+
+
+def reflected(samples: Samples, mirror: Mirror, rng: np.random.Generator) -> Samples:
+    """`samples`, about half of them replaced by their mirror images."""
+    flipped = rng.random(len(samples)) < 0.5
+    images = {}
+    for camera, pictures in samples.images.items():
+        images[camera] = pictures.copy()
+        images[camera][flipped] = pictures[flipped, :, ::-1]
+    signs = np.where(flipped[:, None], np.array(mirror.features, np.float32), 1)
+    turned = np.where(flipped[:, None], np.array(mirror.action, np.float32), 1)
+    return replace(
+        samples, images=images, features=samples.features * signs, labels=samples.labels * turned
+    )

@@ -7,7 +7,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.protocols import Arrays, Policy
+
+
+@final
+class ScaledFeatures:
+    """`Observation.features`, each in units of its own spread; needs nothing of the policy.
+
+    For features of different units, such as angles beside metres.
+    """
+
+    def __init__(self) -> None:
+        self.scaling = Standardisation()
+
+    def fit(self, policy: Policy, samples: Samples) -> Self:
+        """Fit the scaling to the training states."""
+        del policy
+        self.scaling.fit(samples.features)
+        return self
+
+    def transform(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, f) the scaled features; the images go unused."""
+        del images
+        return self.scaling.transform(features)
+
+    def arrays(self) -> Arrays:
+        """The scaling's learned state."""
+        return self.scaling.arrays()
+
+    def load(self, policy: Policy, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        del policy
+        self.scaling.load(arrays)
+        return self
 
 
 @final

@@ -9,6 +9,7 @@ from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import make_embedding
 from sheath_manip.protocols import Embedding, Signal
 from sheath_manip.signals.joined import JoinedSignal
+from sheath_manip.signals.near_precedent import NearPrecedentSignal
 from sheath_manip.signals.precedent import PrecedentSignal
 from sheath_manip.signals.support import SupportSignal
 from sheath_manip.support import make_support, support_hyperparameters
@@ -64,8 +65,21 @@ def _joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
     return JoinedSignal({"support": support, "precedent": precedent}, JOINED_WEIGHTS)
 
 
+def _near_precedent(choice: SignalChoice, embedding: MakeEmbedding) -> NearPrecedentSignal:
+    return NearPrecedentSignal(embedding(choice.precedent_embedding))
+
+
+def _near_joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
+    return JoinedSignal(
+        {"support": _support(choice, embedding), "precedent": _near_precedent(choice, embedding)}
+    )
+
+
 SIGNALS: dict[str, Callable[[SignalChoice, MakeEmbedding], Signal]] = {
     "joined": _joined,
     "support": _support,
     "precedent": _precedent,
+    # For continuous actions.
+    "near-joined": _near_joined,
+    "near-precedent": _near_precedent,
 }

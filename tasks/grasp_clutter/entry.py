@@ -1,6 +1,10 @@
 """Grasping in clutter's entry in the table of tasks."""
 
+from dataclasses import replace
 from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
 
 from controllers.back_up import BackUp
 from controllers.hold import Hold
@@ -8,8 +12,9 @@ from controllers.teleop.arm import ArmHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
+from tasks.grasp_clutter.claims import CLAIMS, RECIPE
 from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.scene import EASY
+from tasks.grasp_clutter.scene import EASY, MEDIUM
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
 from tasks.robots import stand_ins
 from tasks.robots.drive import RobotDrive
@@ -43,6 +48,33 @@ def hands(environment: ComposerEnvironment) -> ArmHands:
     return stand_ins.hands(drive_of(environment))
 
 
+def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
+    """`tasks.grasp_clutter.figures.film_frame`, which is imported only when a film is made."""
+    from tasks.grasp_clutter.figures import film_frame
+
+    return film_frame(environment)
+
+
+_FULL = LearningPlan(
+    policy="spatial-cnn",
+    policy_settings={"steps": 1000, "warm_steps": 600},
+    signal="near-joined",
+    embedding="wrist-convolutions",
+    precedent_embedding="wrist-convolutions",
+    false_alarm_rate=0.1,
+    minimum_hold_steps=5,
+    refit_unused=False,
+    variant="medium",
+    final_variant="medium",
+    demonstrations=60,
+    calibration=20,
+    check=10,
+    rounds=6,
+    episodes=16,
+    held_out=10,
+    final=100,
+)
+
 GRASP_CLUTTER = TaskEntry(
     name="grasp-clutter",
     summary="reach through standing clutter, grasp the red target and lift it",
@@ -50,6 +82,7 @@ GRASP_CLUTTER = TaskEntry(
         "default": partial(make, Scenario()),
         # Every seed is a new scene, so the default's are new ones as well.
         "final": partial(make, Scenario()),
+        "medium": partial(make, Scenario(difficulty=MEDIUM)),
         "easy": partial(make, Scenario(difficulty=EASY)),
         "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
     },
@@ -57,9 +90,36 @@ GRASP_CLUTTER = TaskEntry(
     hands=hands,
     stand_ins={"hold": hold, "back-up": back_up},
     plans={
-        "full": LearningPlan(),
-        "quick": LearningPlan(
-            methods=("dagger", "sheath"), seeds=(0,), rounds=2, episodes=2, held_out=2, final=2
+        "full": _FULL,
+        "quick": replace(
+            _FULL,
+            policy_settings={"steps": 60, "warm_steps": 20},
+            methods=("dagger", "sheath"),
+            seeds=(0,),
+            demonstrations=6,
+            calibration=4,
+            check=2,
+            rounds=2,
+            episodes=3,
+            held_out=2,
+            final=2,
+        ),
+        # The best policy: many scenes, and a hand that is pushed about, which shows the ways back.
+        "recipe": replace(
+            _FULL,
+            policy_settings={"steps": 4000, "warm_steps": 1000},
+            methods=("cloning",),
+            seeds=(0,),
+            demonstrations=200,
+            demonstration_noise=0.15,
+            calibration=10,
+            check=1,
+            rounds=1,
+            episodes=20,
+            held_out=1,
         ),
     },
+    picture=picture,
+    claims=CLAIMS,
+    plan_claims={"recipe": RECIPE},
 )

@@ -45,6 +45,8 @@ class GraspState:
     """(p,) up to which they reach"""
     raised_m: float
     """how high the highest foot of the clutter is"""
+    leaning_rad: float = 0.0
+    """how far the most tilted object of the clutter is from upright"""
 
 
 @dataclass(frozen=True, eq=False)

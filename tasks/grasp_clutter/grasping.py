@@ -25,8 +25,11 @@ _TIP_M = 0.035
 """from the pinch to the finger tips"""
 _LEAST_ROOM_M = 0.003
 """with less than this around the jaw, however it is turned, there is no safe way in"""
+_UPRIGHT_RAD = 0.02
+"""up to which an object only rocks on its foot"""
 _GAIN_HZ = 4.0
 _TRANSIT_M_S, _CLIMB_M_S, _DESCENT_M_S, _FINE_M_S, _LIFT_M_S = 0.25, 0.2, 0.12, 0.08, 0.15
+_FREEING_M_S = 0.1
 _TURN_RAD_S = 1.2
 
 
@@ -79,6 +82,11 @@ class GraspLaw:
         grip = 2 * close - 1
         if close == 0.0 and not self._may_open(state, fit):
             grip = self.closing.holding_grip(state.closed_m)
+        # What leans was pushed. Any way aside may push on, and turning does; straight up does not.
+        low = 1 - _ramp(state.tool_position_m[2] - (TRANSIT_HEIGHT_M - 0.05), 0.03)
+        freeing = low * _ramp(state.leaning_rad - _UPRIGHT_RAD, 0.03)
+        twist *= 1 - freeing
+        twist[2] += freeing * _FREEING_M_S
         pressing = _ramp(state.pressed_m - 0.008, 0.008)
         held = fit.around * pressing * _ramp(0.01 - fit.spare_m, 0.004)
         lift = np.clip(_GAIN_HZ * (LIFT_HEIGHT_M - state.target_base_m[2]), -0.1, _LIFT_M_S)

@@ -9,8 +9,6 @@ from controllers.footprint import clearances
 from tasks.grasp_clutter.grasp_state import GraspState
 from tasks.robots.robot import Footprint
 
-_ROOM_M = 0.014
-"""wanted around the jaw: what the collision limit keeps, and a little"""
 _NEAR_M = 0.15
 """beyond which nothing is in a jaw's way"""
 _YAWS_RAD = np.linspace(0, np.pi, 60, endpoint=False)
@@ -21,6 +19,8 @@ class JawRoom:
     """The room around one tool's footprints."""
 
     footprints: tuple[Footprint, ...]
+    wanted_m: float
+    """around the jaw: with less it turns"""
 
     def here(self, state: GraspState) -> float:
         """Around the jaw as it stands, m."""
@@ -38,7 +38,7 @@ class JawRoom:
         # A jaw is the same when turned by half a turn.
         turns = np.concatenate([turns, turns - np.pi * np.sign(turns)])
         low, high = state.turn_range_rad
-        fits = (np.tile(rooms, 2) >= min(_ROOM_M, best)) & (turns >= low) & (turns <= high)
+        fits = (np.tile(rooms, 2) >= min(self.wanted_m, best)) & (turns >= low) & (turns <= high)
         if not fits.any():
             return 0.0, best
         least = turns[fits][np.argmin(np.abs(turns[fits]))]

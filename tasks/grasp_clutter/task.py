@@ -13,9 +13,9 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import Commanded, FirstView, Outcome, TaskSpec
+from sheath_manip.types import Commanded, FirstView, Mirror, Outcome, TaskSpec
 from tasks.composer_environment import SheathTask
-from tasks.grasp_clutter.guide import GraspGuide, Situation
+from tasks.grasp_clutter.guide import WIDE_M, GraspGuide, Situation
 from tasks.grasp_clutter.pool import Pool, add_pool
 from tasks.grasp_clutter.rehearsal import solvable
 from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
@@ -31,6 +31,8 @@ ASSETS = Path(__file__).resolve().parents[2] / "assets" / "grasp_clutter"
 CONTROL_TIMESTEP_S = 0.05
 PHYSICS_TIMESTEP_S = 0.0025
 IMAGE_PX = 84
+SYMMETRIC_CAMERAS = frozenset({"front", "wrist"})
+"""which see the mirror image of what they would see of the mirrored scene"""
 TOPPLING = 0.9
 """share of its own tip angle from which an object counts as toppled"""
 LIFTED_M = 0.10
@@ -47,7 +49,8 @@ class Scenario:
 
     difficulty: Difficulty = HARD
     robot: RobotDescription = ARM_WITH_JAW
-    cameras: tuple[str, ...] = ("front", "shoulder", "wrist")
+    cameras: tuple[str, ...] = ("front", "wrist")
+    """`shoulder` beside them looks from the side: with it there is no mirror image of a scene"""
     time_limit_s: float = 15.0
     command_filter: bool = True
     """without one the arm does whatever it is told"""
@@ -81,7 +84,7 @@ class GraspTask(SheathTask):
             if self.scenario.command_filter
             else None,
         )
-        self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S)
+        self._guide = GraspGuide(self.scenario.robot, CONTROL_TIMESTEP_S, WIDE_M)
         self._tally = Tally()
         self._scene: Scene | None = None
         self.laid_bodies = np.zeros(0, np.int64)
@@ -113,6 +116,7 @@ class GraspTask(SheathTask):
             metric="success",
             plane=("tool_x_m", "tool_y_m"),
             first_view=FirstView(0.55, azimuth_deg=145.0, elevation_deg=25.0),
+            mirror=self._mirror(),
         )
 
     @property
@@ -277,6 +281,18 @@ class GraspTask(SheathTask):
     def commanded(self) -> Commanded | None:
         """What the command filter made of the last action."""
         return self.drive.commanded
+
+    def _mirror(self) -> Mirror | None:
+        """Left for right, where neither the arm nor a camera stands aside."""
+        mirrored = self.scenario.robot.mirrored_joints
+        if mirrored is None or not SYMMETRIC_CAMERAS.issuperset(self.scenario.cameras):
+            return None
+        joints = [
+            -1.0 if name in mirrored else 1.0 for name in self.scenario.robot.joint_speeds_rad_s
+        ]
+        tool, gripper = (1.0, -1.0, 1.0), (1.0, 1.0)
+        velocity, turn, grip = (1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0,)
+        return Mirror((*joints, *tool, *gripper), (*velocity, *turn, *grip))
 
     def _proprioception(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         tool = physics.data.ptr.site_xpos[self._tool]

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from dm_control import mjcf
+from numpy.typing import NDArray
 
 from controllers.command_filter import CommandFilter
 from controllers.joint_limits import JointLimits
@@ -18,11 +19,15 @@ TOOL_UPPER_M = np.array([0.85, 0.6, 0.8])
 
 
 def command_filter(
-    description: RobotDescription, timestep_s: float, clutter: Distance | None = None
+    description: RobotDescription,
+    timestep_s: float,
+    clutter: Distance | None = None,
+    box_m: tuple[NDArray, NDArray] = (TOOL_LOWER_M, TOOL_UPPER_M),
 ) -> CommandFilter:
-    """Holds a robot clear of itself and of the table, and slow near it.
+    """Holds a robot clear of itself and of the table, and slow near it; its tool in `box_m`.
 
-    Where the task knows how far a point is from the clutter, the tool is slow there instead.
+    Where the task knows how far a point is from the clutter, the tool is slow there instead. The
+    box is its lower and its upper corner, both (3,) in the world frame; home lies in it.
     """
     root: Any = kinematic_root(description)
     root.worldbody.add(
@@ -30,7 +35,7 @@ def command_filter(
     )
     model = mjcf.Physics.from_mjcf_model(root).model.ptr
     home = np.array(description.home_rad)
-    workspace = Workspace(model, description.tool_site, home, TOOL_LOWER_M, TOOL_UPPER_M)
+    workspace = Workspace(model, description.tool_site, home, *box_m)
     if clutter is None:
         cap = SpeedCap(above(TABLE_HEIGHT_M), "speed near the table")
     else:

@@ -17,6 +17,11 @@ def arm_with(tool: Path) -> mjcf.RootElement:
     return arm
 
 
+def build_arm_with_blade() -> mjcf.RootElement:
+    """The arm with the needle knife."""
+    return arm_with(ASSETS / "blade.xml")
+
+
 def build_arm_with_jaw() -> mjcf.RootElement:
     """The arm with the parallel jaw."""
     return arm_with(ASSETS / "jaw.xml")
@@ -51,5 +56,18 @@ ARM_WITH_JAW = RobotDescription(
     home_rad=HOME_RAD,
     servos=tuple(ARM_JOINT_SPEEDS_RAD_S),
     body_geoms=(*ARM_GEOMS, "jaw/palm", *JAW_FINGERS),
+    mirrored_joints=("base_yaw", "wrist_yaw", "wrist_roll"),
     **JAW,
+)
+
+# The tip at (.42, 0, .20) m, straight down.
+BLADE_HOME_RAD = (0.0, -1.2155, 1.8599, 0.9264, 0.0, 0.0)
+
+ARM_WITH_BLADE = RobotDescription(
+    build=build_arm_with_blade,
+    joint_speeds_rad_s=ARM_JOINT_SPEEDS_RAD_S,
+    home_rad=BLADE_HOME_RAD,
+    tool_site="blade/tip",
+    servos=tuple(ARM_JOINT_SPEEDS_RAD_S),
+    body_geoms=(*ARM_GEOMS, "blade/handle", "blade/needle"),
 )

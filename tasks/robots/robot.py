@@ -50,6 +50,9 @@ class RobotDescription:
     """what of the tool stands between objects when it points down"""
     body_geoms: tuple[str, ...] = ()
     """that may come near objects, the tool's among them"""
+    mirrored_joints: tuple[str, ...] | None = None
+    """those that turn the other way when the robot is reflected at its x-z plane; None where that
+    makes another robot"""
 
 
 class Robot(composer.Entity):

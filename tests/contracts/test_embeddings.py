@@ -10,13 +10,15 @@ from sheath_manip.policies import (
     EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     IMAGE_EMBEDDINGS,
+    SPATIAL_EMBEDDINGS,
     embeddings_like,
     make_embedding,
     make_policy,
 )
+from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.protocols import Policy
 from sheath_manip.support import OneClassSupport
-from tests import buttons
+from tests import buttons, reach
 from tests.blobs import fitted_policy, held_out, training
 
 SPATIAL = (
@@ -38,6 +40,8 @@ def policy_and_states(name: str) -> tuple[Policy, Samples, Samples]:
     """What an embedding of that name looks through, is fitted to and is judged on."""
     if name in FEATURE_EMBEDDINGS:
         return linear_policy(), buttons.training(), buttons.held_out()
+    if name in SPATIAL_EMBEDDINGS:
+        return reach.fitted_policy(), reach.training(), reach.held_out()
     return fitted_policy("cnn"), training(), held_out()
 
 
@@ -119,7 +123,37 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
     assert roc_auc_score(truth, np.concatenate(scores)) > 0.99
 
 
-@pytest.mark.parametrize("name", sorted(set(IMAGE_EMBEDDINGS) - {"pixels", "pixels-whitened"}))
+@pytest.mark.parametrize("name", sorted(SPATIAL_EMBEDDINGS))
+def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones(name, embeddings):
+    states, samples, embedding = reach.training(), reach.held_out(), embeddings[name]
+    support = OneClassSupport().fit(embedding.transform(states.images, states.features))
+    black = {**samples.images, "wrist": np.zeros_like(samples.images["wrist"])}
+    natural, *others = (
+        support.decision_function(embedding.transform(images, features))
+        for images, features in (
+            (samples.images, samples.features),
+            (samples.images, samples.features + 3.0),
+            (black, samples.features),
+        )
+    )
+    # Where nothing stands out a channel points to the middle, as it may in training.
+    for unseen in others[:1] if name.startswith("image-points") else others:
+        truth = np.repeat([1, 0], len(samples))
+        assert roc_auc_score(truth, np.concatenate([natural, unseen])) > 0.95
+
+
+def test_a_camera_that_is_not_there_is_named():
+    embedding = CameraConvolutions(cameras=("elbow",))
+    with pytest.raises(ParameterError, match="no camera 'elbow'; it has above, wrist"):
+        embedding.fit(reach.fitted_policy(), reach.training())
+
+
+WITHOUT_CONVOLUTIONS = {"pixels", "pixels-whitened", "pixels-and-features"}
+
+
+@pytest.mark.parametrize(
+    "name", sorted((IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS).keys() - WITHOUT_CONVOLUTIONS)
+)
 def test_convolutions_are_asked_for_in_one_line(name):
     with pytest.raises(ParameterError, match="needs a policy with convolutions") as caught:
         make_embedding(name).fit(fitted_policy("hog-svm"), training())
@@ -158,7 +192,8 @@ def test_weighted_features_want_a_policy_that_weighs_them():
 def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
     assert embeddings_like("pixels") == list(IMAGE_EMBEDDINGS)
     assert embeddings_like("features") == list(FEATURE_EMBEDDINGS)
-    assert list(EMBEDDINGS) == [*IMAGE_EMBEDDINGS, *FEATURE_EMBEDDINGS]
+    assert embeddings_like("image-points") == list(SPATIAL_EMBEDDINGS)
+    assert list(EMBEDDINGS) == [*IMAGE_EMBEDDINGS, *SPATIAL_EMBEDDINGS, *FEATURE_EMBEDDINGS]
 
 
 def test_unknown_name():

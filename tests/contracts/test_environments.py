@@ -212,6 +212,10 @@ def test_viewers_get_shapes_and_poses(environment):
     if pose.tool_m is not None:
         assert pose.tool_m.shape == (3,)
         assert np.isfinite(pose.tool_m).all()
+    for line in pose.lines:
+        assert line.points_m.ndim == 2
+        assert line.points_m.shape[1] == 3
+        assert np.isfinite(line.points_m).all()
     for surface in pose.surfaces:
         assert surface.vertices_m.shape[1:] == surface.faces.shape[1:] == (3,)
         assert surface.faces.max() < len(surface.vertices_m)

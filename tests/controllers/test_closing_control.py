@@ -23,6 +23,11 @@ def test_leads_fingers_that_are_held_by_no_more_than_the_squeeze():
     assert target <= 0.03
 
 
+@pytest.mark.parametrize(("grip", "wanted_m"), [(-0.6, 0.025), (0.6, 0.035)])
+def test_nearly_open_is_open_and_nearly_closed_closed(grip, wanted_m):
+    assert CONTROL.target_m(0.03, 0.03, grip, 0.05) == pytest.approx(wanted_m)
+
+
 def test_a_grip_holds_a_width():
     for closed_m in (0.0, 0.03, 0.09):
         grip = CONTROL.holding_grip(closed_m)

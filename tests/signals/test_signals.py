@@ -39,14 +39,16 @@ def test_there_is_a_score_for_each_state_and_none_for_none(signal):
     assert np.isfinite(scores).all()
 
 
-def test_fits_and_scores_repeat_to_the_bit(signal):
-    name = next(name for name, make in SIGNALS.items() if isinstance(signal, type(fitted(name))))
+@pytest.mark.parametrize("name", SIGNALS)
+def test_fits_and_scores_repeat_to_the_bit(name):
+    signal = fitted(name)
     again = fitted(name)
     np.testing.assert_array_equal(scores_of(again, held_out()), scores_of(signal, held_out()))
 
 
-def test_what_is_loaded_scores_as_what_was_saved(signal):
-    name = next(name for name in SIGNALS if isinstance(signal, type(fitted(name))))
+@pytest.mark.parametrize("name", SIGNALS)
+def test_what_is_loaded_scores_as_what_was_saved(name):
+    signal = fitted(name)
     fresh = make_signal(planned_signal(replace(PLAN, signal=name)))
     loaded = fresh.load(fitted_policy("hog-svm"), signal.arrays())
     np.testing.assert_array_equal(scores_of(loaded, held_out()), scores_of(signal, held_out()))

@@ -15,6 +15,7 @@ from sheath_manip.experiments.figures.intervention import (
     recorded,
 )
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
+from sheath_manip.support.calibration import NOTHING_INSIDE
 from sheath_manip.types import Actor
 
 HEIGHT_PX = 288
@@ -84,12 +85,14 @@ def _draw_score(panel: NDArray[np.uint8], shown: Intervention, now: int) -> None
     scores = np.array([step.decision.score for step in steps])
     thresholds = np.array([step.decision.threshold for step in steps])
     both = np.concatenate([scores, thresholds])
-    low, high = np.nanmin(both), np.nanmax(both)
+    drawable = both[np.abs(both) < NOTHING_INSIDE]
+    low, high = (drawable.min(), drawable.max()) if len(drawable) else (0.0, 1.0)
     x = np.linspace(MARGIN_PX, width - MARGIN_PX, len(steps))
     scale = (height - 8) / max(high - low, 1e-12)
 
     def line(values: NDArray, colour: tuple[int, int, int], upto: int, thick: int) -> None:
-        y = 4 + (high - values) * scale
+        # A score without a bound lies at the edge of the panel.
+        y = 4 + (high - np.clip(values, low, high)) * scale
         points = np.stack([x, y], 1)[:upto]
         points = np.rint(points[np.isfinite(points).all(1)]).astype(np.int32)
         cv2.polylines(panel, [points[:, None]], False, colour, thick, cv2.LINE_AA)

@@ -1,4 +1,4 @@
-"""Pictures of steps that no camera saw: their states are restored and looked at afterwards."""
+"""Pictures of steps as no camera saw them: their states are restored and looked at afterwards."""
 
 from collections.abc import Sequence
 
@@ -11,14 +11,12 @@ from sheath_manip.types import Episode
 
 
 def pictures_of(task: TaskEntry, variant: str) -> Pictures:
-    """The recorded images, or the entry's `picture` of episodes on `variant` that have none."""
+    """The entry's `picture` of episodes on `variant`, or the recorded images where it has none."""
     picture = task.picture
     if picture is None:
         return recorded
 
     def replayed(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
-        if episode.final_observation.images:
-            return recorded(episode, indices)
         # Each training run may have a scene of its own.
         environment = task.make_for_run(variant, episode.info.run_seed)
         try:

@@ -1,0 +1,8 @@
+"""`python -m tasks.gauze_cutting VERB`: the verbs of `sheath`, for this task."""
+
+import sys
+
+from tasks.command import task_main
+
+if __name__ == "__main__":
+    sys.exit(task_main("gauze-cutting"))

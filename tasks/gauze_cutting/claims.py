@@ -1,0 +1,57 @@
+"""What is claimed of `results/gauze-cutting`."""
+
+from functools import partial
+
+from sheath_manip.claims import Claim, Summary, constant
+
+
+def ruined(method: str, summary: Summary) -> float:
+    """Share of the executed episodes that ruined a sheet, over all rounds and seeds."""
+    return summary["methods"][method]["overall"]["failure_rate"]
+
+
+def freed_alone(method: str, summary: Summary) -> float:
+    """Share of discs that the method's last policies free alone, of the final scenes."""
+    return summary["methods"][method]["final"]["metric"]["freed"]
+
+
+def overlap_of_freed(method: str, summary: Summary) -> float:
+    """Mean intersection over union of those discs; of a sheet that frees none it is 0."""
+    metric = summary["methods"][method]["final"]["metric"]
+    return metric["iou"] / metric["freed"] if metric["freed"] > 0 else 0.0
+
+
+def training_seeds(summary: Summary) -> float:
+    """Number of training seeds."""
+    return len(summary["seeds"])
+
+
+def wall_minutes(summary: Summary) -> float:
+    """Wall time of the experiment."""
+    return summary["wall_s"] / 60
+
+
+CLAIMS = (
+    Claim("training seeds", training_seeds, ">=", partial(constant, 3)),
+    Claim("wall time, minutes", wall_minutes, "<=", partial(constant, 100)),
+    Claim("sheets that SHEATH ruins", partial(ruined, "sheath"), "<=", partial(constant, 0.03)),
+    Claim(
+        "sheets that SHEATH ruins, those of DAgger",
+        partial(ruined, "sheath"),
+        "<",
+        partial(ruined, "dagger"),
+    ),
+    Claim(
+        "sheets that SHEATH ruins, those of random takeover",
+        partial(ruined, "sheath"),
+        "<",
+        partial(ruined, "random-takeover"),
+    ),
+    Claim(
+        "discs that SHEATH's final policy frees alone",
+        partial(freed_alone, "sheath"),
+        ">=",
+        partial(constant, 0.8),
+    ),
+    Claim("IoU of those discs", partial(overlap_of_freed, "sheath"), ">=", partial(constant, 0.95)),
+)

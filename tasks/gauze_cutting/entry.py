@@ -1,0 +1,86 @@
+"""Gauze cutting's entry in the table of tasks."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.hold import Hold
+from sheath_manip.plan import LearningPlan
+from sheath_manip.task import TaskEntry
+from tasks.composer_environment import ComposerEnvironment
+from tasks.gauze_cutting.claims import CLAIMS
+from tasks.gauze_cutting.expert import GauzeExpert, task_of
+from tasks.gauze_cutting.scene import CALM
+from tasks.gauze_cutting.steering import HEADING_CHANGE
+from tasks.gauze_cutting.task import GauzeTask, Scenario
+
+
+def make(scenario: Scenario) -> ComposerEnvironment:
+    """An environment of this task."""
+    return ComposerEnvironment(GauzeTask(scenario))
+
+
+def hold(environment: ComposerEnvironment) -> Hold:
+    """Stands still."""
+    return Hold(task_of(environment).rest)
+
+
+def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
+    """`tasks.gauze_cutting.figures.film_frame`, which is imported only when a film is made."""
+    from tasks.gauze_cutting.figures import film_frame
+
+    return film_frame(environment)
+
+
+_FULL = LearningPlan(
+    policy="spatial-cnn",
+    policy_settings={"steps": 1000, "warm_steps": 400},
+    signal="near-joined",
+    embedding="image-points",
+    precedent_embedding="image-points",
+    refit_unused=False,
+    minimum_hold_steps=5,
+    demonstrations=30,
+    # The expert never leaves the line by itself: without a push nothing shows the way back to it.
+    demonstration_noise=0.1,
+    calibration=15,
+    check=8,
+    rounds=5,
+    episodes=10,
+    held_out=6,
+    final=40,
+)
+
+GAUZE_CUTTING = TaskEntry(
+    name="gauze-cutting",
+    summary="guide a blade along the circle printed on a sheet of gauze that moves under it",
+    variants={
+        "default": partial(make, Scenario()),
+        # Every seed is a new scene, so the default's are new ones as well.
+        "final": partial(make, Scenario()),
+        "heading": partial(make, Scenario(steering=HEADING_CHANGE)),
+        "calm": partial(make, Scenario(difficulty=CALM)),
+    },
+    expert=GauzeExpert,
+    stand_ins={"hold": hold},
+    plans={
+        "full": _FULL,
+        "quick": replace(
+            _FULL,
+            policy_settings={"steps": 40, "warm_steps": 10},
+            methods=("dagger", "sheath"),
+            seeds=(0,),
+            demonstrations=4,
+            calibration=3,
+            check=1,
+            rounds=1,
+            episodes=2,
+            held_out=1,
+            final=1,
+        ),
+    },
+    picture=picture,
+    claims=CLAIMS,
+)

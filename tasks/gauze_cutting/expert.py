@@ -1,0 +1,32 @@
+"""The scripted expert: follows the circle as the deformed sheet shows it, from any state."""
+
+from sheath_manip.types import Action, Observation
+from tasks.composer_environment import ComposerEnvironment
+from tasks.gauze_cutting.guide import along_circle
+from tasks.gauze_cutting.task import GauzeTask
+
+
+def task_of(environment: ComposerEnvironment) -> GauzeTask:
+    """The environment's task; TypeError where it is another's."""
+    if not isinstance(environment.task, GauzeTask):
+        raise TypeError(f"wanted the environment of a GauzeTask, got {environment.task!r}")
+    return environment.task
+
+
+class GauzeExpert:
+    """Sees the mesh, and how fast it and the blade move. It remembers nothing."""
+
+    def __init__(self, environment: ComposerEnvironment) -> None:
+        self._task = task_of(environment)
+
+    def reset(self) -> None:
+        """Nothing to forget."""
+
+    def act(self, observation: Observation) -> Action:  # noqa: ARG002
+        """(2,) as the task's action spec has it."""
+        task = self._task
+        lie = task.workpiece.lie()
+        place = task.knife.place(lie, task.tip_m)
+        drift = task.workpiece.velocity_m_s(place.corners)[:2]
+        wanted = along_circle(lie, place.material_m, task.tip_velocity_m_s[:2], drift)
+        return task.scenario.steering.action_for(wanted, task.heading)

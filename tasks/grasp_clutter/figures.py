@@ -1,0 +1,18 @@
+"""Pictures of the grasp in clutter for films: larger than what the policy sees."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tasks.composer_environment import ComposerEnvironment
+from tasks.grasp_clutter.task import GraspTask
+from tasks.rendering import PyramidCamera
+
+SIZE_PX = 288
+
+
+def film_frame(environment: ComposerEnvironment) -> NDArray[np.uint8]:
+    """(288, 288, 3) RGB of the scene from the front, as it stands."""
+    if not isinstance(environment.task, GraspTask):
+        raise TypeError(f"wanted the environment of a GraspTask, got {environment.task!r}")
+    camera = PyramidCamera(environment.task.camera_name("front"), SIZE_PX, pyramid_levels=0)
+    return camera(environment.physics)

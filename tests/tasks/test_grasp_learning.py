@@ -1,0 +1,73 @@
+"""The grasp in clutter joins the experiments, and its task knows left from right by a sign only."""
+
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+from rich.console import Console
+
+from sheath_manip.experiments.learning import run_experiment
+from tasks.grasp_clutter.entry import GRASP_CLUTTER, make
+from tasks.grasp_clutter.task import Scenario
+from tasks.robots.jaco import JACO_WITH_JAW
+
+
+@pytest.mark.parametrize(
+    "scenario", [Scenario(cameras=("shoulder",)), Scenario(robot=JACO_WITH_JAW)]
+)
+def test_what_stands_aside_has_no_mirror(scenario):
+    environment = make(scenario)
+    assert environment.spec.mirror is None
+    environment.close()
+
+
+def test_the_mirrored_arm_does_the_mirrored_thing():
+    environment = make(Scenario(command_filter=False))
+    mirror = environment.spec.mirror
+    assert mirror is not None
+    environment.reset(0)
+    task, physics = environment.task, environment.physics
+    joints = np.array([0.2, -1.5, 1.9, 1.0, 0.1, 0.3])
+    action = np.array([0.3, 0.5, -0.2, 0.1, 0.2, 0.4, -1.0], np.float32)
+    reached = []
+    for sign_joints, sign_action in ((1.0, 1.0), (np.array(mirror.features[:6]), mirror.action)):
+        task.lay(physics, task.scene, joints * sign_joints)
+        for _ in range(5):
+            observation = environment.step(action * np.float32(sign_action)).observation
+        reached.append(observation.features)
+    environment.close()
+    np.testing.assert_allclose(reached[1], reached[0] * mirror.features, atol=2e-3)
+
+
+def test_a_small_experiment_with_a_film(tmp_path):
+    plan = replace(
+        GRASP_CLUTTER.plans["quick"],
+        policy_settings={"steps": 4, "warm_steps": 2},
+        methods=("sheath",),
+        demonstrations=2,
+        calibration=3,
+        check=1,
+        rounds=1,
+        episodes=1,
+        held_out=1,
+        final=1,
+    )
+    run_experiment(
+        GRASP_CLUTTER,
+        plan,
+        runs=tmp_path / "runs",
+        results=tmp_path / "results",
+        command="sheath",
+        workers=0,
+        figures=("film_strip.png", "intervention.gif"),
+        console=Console(file=io.StringIO()),
+    )
+    summary = json.loads((tmp_path / "results" / "summary.json").read_text())
+    assert summary["metric"] == "success"
+    assert summary["expert"]["success_rate"] == 1.0
+    with Image.open(tmp_path / "results" / "intervention.gif") as film:
+        # Larger than what the policy saw, 84 px.
+        assert film.width > 288
