@@ -14,6 +14,7 @@ What is limited is the command, at the control steps. The arm follows it with th
 servos, so clearances are chosen larger than that.
 """
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -40,6 +41,8 @@ _OFF_WALL = 0.03
 """of what leads along a wall, to lead off it"""
 _SWEEPS = 5
 """of projections onto the walls, of which one may lead into the other"""
+_FARTHEST_RAD = 1e300
+"""from which on a wish is no finite speed"""
 _ROUNDING = 1e-9
 """rad/s, m/s: less is no change of a command"""
 _TINY = 1e-12
@@ -63,10 +66,10 @@ class Admitted:
 class _Motion:
     """A step and the stop that could follow it."""
 
-    velocities: NDArray[np.float64]
-    """(j,) of the step"""
-    stop: NDArray[np.float64]
-    """(N, j) of the steps after it; the last ones are zero"""
+    rates: NDArray[np.float64]
+    """(1 + n, j) velocities during the step, then during those of the stop, until it rests"""
+    path: NDArray[np.float64]
+    """(1 + n, j) where the joints are at their ends"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +103,9 @@ class CommandFilter:
         self.workspace = workspace
         self.speed_cap = speed_cap
         self.stopping = Stopping(joints, timestep_s)
+        self._lower_rad, self._upper_rad = joints.lower_rad - _TINY, joints.upper_rad + _TINY
+        self._speeds_rad_s = joints.speeds_rad_s + _TINY
         self._targets = np.full(len(joints.lower_rad), np.nan)
-        self._changes = np.zeros_like(self._targets)
         self._rest()
 
     @property
@@ -112,7 +116,7 @@ class CommandFilter:
     @property
     def velocities_rad_s(self) -> NDArray[np.float64]:
         """(j,) commanded last."""
-        return self._motion.velocities.copy()
+        return self._velocities.copy()
 
     def reset(self, targets_rad: NDArray) -> None:
         """Start at rest; raises ParameterError where (j,) `targets_rad` is not admissible."""
@@ -131,16 +135,16 @@ class CommandFilter:
 
     def memory(self) -> NDArray[np.float64]:
         """(m,) all that it remembers; of the same size always."""
-        motion = self._motion
-        return np.concatenate(
-            [self._targets, self._changes, motion.velocities, motion.stop.ravel()]
-        )
+        rows = np.zeros((3 + self.stopping.steps, len(self._targets)))
+        rows[:3] = self._targets, self._changes, self._velocities
+        rows[3 : 3 + len(self._stop)] = self._stop
+        return rows.ravel()
 
     def recall(self, memory: NDArray[np.float64]) -> None:
         """Take over a `memory()`."""
         rows = np.array(memory, np.float64).reshape(-1, len(self._targets))
-        self._targets, self._changes = rows[0], rows[1]
-        self._motion = _Motion(rows[2], rows[3:])
+        self._targets, self._changes, self._velocities = rows[:3]
+        self._stop = _until_rest(rows[3:])
 
     def step(self, wished_targets_rad: ArrayLike) -> Admitted:
         """What is commanded for a control step at whose end the joints were wished to be there.
@@ -154,16 +158,16 @@ class CommandFilter:
             wish = np.zeros_like(self._targets)
         wish = self._slowed(wish, taken)
         motion = self._placed(wish, taken)
-        self._changes = motion.velocities - self._motion.velocities
-        self._targets = self._path(motion)[0]
-        self._motion = motion
+        self._changes = motion.rates[0] - self._velocities
+        self._targets = motion.path[0]
+        self._velocities, self._stop = motion.rates[0], motion.rates[1:]
         limited = tuple(Limited(*item) for item in sorted(taken.items()))
         return Admitted(self.targets_rad, self.velocities_rad_s, limited)
 
     def _rest(self) -> None:
         still = np.zeros_like(self._targets)
-        self._changes = still
-        self._motion = _Motion(still, np.zeros((self.stopping.steps, len(still))))
+        self._changes = self._velocities = still
+        self._stop = np.zeros((0, len(still)))
 
     def _well_formed(self, wished_targets_rad: ArrayLike) -> NDArray[np.float64] | None:
         """(j,) velocities that are wished, rad/s."""
@@ -171,24 +175,26 @@ class CommandFilter:
             wished = np.asarray(wished_targets_rad, np.float64)
         except (TypeError, ValueError):
             return None
-        if wished.shape != self._targets.shape:
+        if wished.shape != self._targets.shape or not (np.abs(wished) < _FARTHEST_RAD).all():
             return None
-        with np.errstate(over="ignore", invalid="ignore"):
-            velocities = (wished - self._targets) / self.timestep_s
-        return velocities if np.isfinite(velocities).all() else None
+        return (wished - self._targets) / self.timestep_s
 
     def _slowed(self, wish: NDArray, taken: dict[str, float]) -> NDArray[np.float64]:
         """`wish` along the same way, no faster than joints, and tool where it is, may be."""
+        slowed = wish
         speed = float((np.abs(wish) / self.joints.speeds_rad_s).max())
-        slowed = wish / max(speed, 1.0)
-        self._note(SPEED, wish, slowed, taken)
+        if speed > 1.0:
+            slowed = wish / speed
+            self._note(SPEED, wish, slowed, taken)
         if self.speed_cap is None or self.workspace is None:
             return slowed
         here = self.workspace.tool_position_m(self._targets)
-        there = self.workspace.tool_position_m(self._targets + slowed * self.timestep_s)
-        tool_speed = float(np.linalg.norm(there - here)) / self.timestep_s
         most = self.speed_cap.most_m_s(here)
-        careful = slowed if tool_speed <= most else slowed * (most / tool_speed)
+        there = self.workspace.tool_position_m(self._targets + slowed * self.timestep_s)
+        tool_speed = math.dist(here, there) / self.timestep_s
+        if tool_speed <= most:
+            return slowed
+        careful = slowed * (most / tool_speed)
         self._note(self.speed_cap.name, slowed, careful, taken)
         return careful
 
@@ -198,8 +204,8 @@ class CommandFilter:
         refusal = self._refusal(asked)
         if refusal is None:
             return asked
-        admitted = _Motion(self._motion.stop[0], _after(self._motion.stop))
-        admitted_wish, refused_wish = admitted.velocities, wish
+        admitted = self._going_on()
+        admitted_wish, refused_wish = admitted.rates[0], wish
         names, walls = set[str](), list[NDArray]()
         for _ in range(_SLIDES):
             names.add(refusal.limit)
@@ -221,73 +227,87 @@ class CommandFilter:
             else:
                 refused_wish = middle
         for name in names:
-            self._note(name, asked.velocities, admitted.velocities, taken)
+            self._note(name, asked.rates[0], admitted.rates[0], taken)
         return admitted
 
     def _reached(self, wish: NDArray, taken: dict[str, float] | None = None) -> _Motion:
-        """The step towards `wish` that the joints' own limits admit, and its stop.
+        """The step towards `wish` that the joints' own limits admit, and its stop."""
+        now = self._velocities
+        # To change to another velocity is to stop, seen from that velocity.
+        changes = self.stopping.changes(now - wish, self._changes)
+        if changes is not None and len(changes) == 1:
+            wanted = wish
+        else:
+            wanted = self._going_on().rates[0] if changes is None else now + changes[0]
+            if taken is not None:
+                self._note(ACCELERATION, wish, wanted, taken)
+        motion, holds = self._with_stop(wanted)
+        if holds.all():
+            return motion
+        motion = self._towards(wanted)
+        if taken is not None:
+            self._note(RANGE, wanted, motion.rates[0], taken)
+        return motion
+
+    def _towards(self, wanted: NDArray) -> _Motion:
+        """As much of the way to (j,) `wanted` as each joint's own limits admit, and the stop.
 
         A joint that finds none takes the next step of the stop that is kept.
         """
-        now, kept = self._motion.velocities, self._motion.stop
-        # To change to another velocity is to stop, seen from that velocity.
-        changes = self.stopping.changes(now - wish, self._changes)
-        wanted = kept[0] if changes is None else now + changes[0]
-        velocities, stop = kept[0], _after(kept)
-        admitted, refused = np.zeros_like(wish), np.ones_like(wish)
+        kept = self._padded(self._going_on().rates)
+        rates = kept
+        admitted, refused = np.zeros_like(wanted), np.ones_like(wanted)
         share = refused
         for _ in range(1 + _HALVINGS):
-            tried = kept[0] + share * (wanted - kept[0])
-            tried_stop, holds = self._own_stop(tried)
-            velocities = np.where(holds, tried, velocities)
-            stop = np.where(holds, tried_stop, stop)
+            tried, held = self._with_stop(kept[0] + share * (wanted - kept[0]))
+            holds = held.all(axis=0)
+            rates = np.where(holds, self._padded(tried.rates), rates)
             admitted = np.where(holds, share, admitted)
-            if admitted.min() == 1.0:
-                break
             refused = np.where(holds, refused, share)
             share = np.where(admitted == 1.0, 1.0, (admitted + refused) / 2)
-        if taken is not None:
-            self._note(ACCELERATION, wish, wanted, taken)
-            self._note(RANGE, wanted, velocities, taken)
-        return _Motion(velocities, stop)
+        return self._motion(np.concatenate([rates[:1], _until_rest(rates[1:])]))
 
-    def _own_stop(self, velocities: NDArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """(N, j) the stop after a step of (j,) `velocities`, and (j,) which joints hold limits."""
-        changes = self.stopping.changes(velocities, velocities - self._motion.velocities)
+    def _with_stop(self, velocities: NDArray) -> tuple[_Motion, NDArray[np.bool_]]:
+        """A step of (j,) `velocities` with its stop, and (1 + n, j) where joints hold limits."""
+        changes = self.stopping.changes(velocities, velocities - self._velocities)
         if changes is None:
-            return np.zeros_like(self._motion.stop), np.zeros(len(velocities), bool)
-        stop = velocities + np.cumsum(changes, axis=0)
-        stop[np.abs(stop) < _TINY] = 0.0
-        motion = _Motion(velocities, stop)
-        path, joints = self._path(motion), self.joints
-        fastest = np.maximum(np.abs(velocities), np.abs(stop).max(0))
-        holds = fastest <= joints.speeds_rad_s + _TINY
-        holds &= (path >= joints.lower_rad - _TINY).all(0)
-        holds &= (path <= joints.upper_rad + _TINY).all(0)
-        return stop, holds
+            return self._going_on(), np.zeros((1, len(velocities)), bool)
+        rates = velocities[None]
+        # The last change is the one to rest.
+        if len(changes) > 1:
+            stop = velocities + changes[:-1].cumsum(axis=0)
+            stop[np.abs(stop) < _TINY] = 0.0
+            rates = np.concatenate([rates, stop])
+        motion = self._motion(rates)
+        holds = (motion.path >= self._lower_rad) & (motion.path <= self._upper_rad)
+        return motion, holds & (np.abs(rates) <= self._speeds_rad_s)
 
-    def _path(self, motion: _Motion) -> NDArray[np.float64]:
-        """(1 + N, j) where the joints are after the step of `motion` and those of its stop."""
-        first = self._targets + motion.velocities * self.timestep_s
-        return np.concatenate(
-            [first[None], first + np.cumsum(motion.stop, axis=0) * self.timestep_s]
-        )
+    def _going_on(self) -> _Motion:
+        """The next step of the stop that is kept."""
+        return self._motion(self._stop if len(self._stop) else np.zeros((1, len(self._targets))))
+
+    def _motion(self, rates: NDArray) -> _Motion:
+        """From where the joints are commanded now."""
+        return _Motion(rates, self._targets + rates.cumsum(axis=0) * self.timestep_s)
+
+    def _padded(self, rates: NDArray) -> NDArray[np.float64]:
+        """(1 + N, j) with rest up to the last step that a stop may take."""
+        padded = np.zeros((1 + self.stopping.steps, rates.shape[1]))
+        padded[: len(rates)] = rates
+        return padded
 
     def _refusal(self, motion: _Motion) -> _Refusal | None:
         """The first limit of the whole arm that `motion` or its stop would exceed."""
         if self.workspace is None:
             return None
-        path = self._path(motion)
-        # At rest nothing new comes up.
-        path = path[: 1 + int(np.count_nonzero(motion.stop.any(axis=1)))]
-        for positions in path:
+        for positions in motion.path:
             breach = self.workspace.breach(positions)
             if breach is not None:
                 return _Refusal(breach.limit, breach.inwards)
         if self.speed_cap is not None:
-            points = [self.workspace.tool_position_m(q) for q in (self._targets, *path)]
+            points = [self.workspace.tool_position_m(q) for q in (self._targets, *motion.path)]
             for before, after in pairwise(points):
-                speed = float(np.linalg.norm(after - before)) / self.timestep_s
+                speed = math.dist(before, after) / self.timestep_s
                 if speed > self.speed_cap.most_m_s(after) + _ROUNDING:
                     return _Refusal(self.speed_cap.name, None)
         return None
@@ -312,6 +332,7 @@ class CommandFilter:
             taken[limit] = float((changed / self.joints.speeds_rad_s).max())
 
 
-def _after(stop: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What is left of a stop after its first step."""
-    return np.concatenate([stop[1:], np.zeros_like(stop[:1])])
+def _until_rest(stop: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, j) of (N, j) velocities without the zeros at their end."""
+    moving = np.flatnonzero(stop.any(axis=1))
+    return stop[: moving[-1] + 1] if len(moving) else stop[:0]

@@ -41,7 +41,7 @@ class Stopping:
         self._joints = np.arange(len(self.most_change))
 
     def changes(self, velocities: NDArray, last_changes: NDArray) -> NDArray[np.float64] | None:
-        """(N, j) changes that bring (j,) `velocities` (rad/s) to zero, the rest zero.
+        """(n, j) changes that bring (j,) `velocities` (rad/s) to zero, in as few steps as will do.
 
         `last_changes` are those that led to `velocities`. None where N steps do not suffice.
         """
@@ -49,9 +49,7 @@ class Stopping:
         low = np.maximum(self._one_step[0], last_changes - self.most_jerk)
         high = np.minimum(self._one_step[1], last_changes + self.most_jerk)
         if ((low <= -velocities) & (-velocities <= high)).all():
-            changes = np.zeros((self.steps, len(velocities)))
-            changes[0] = -velocities
-            return changes
+            return -velocities[None]
         # By the number of steps that the stop takes, by step, by joint.
         highest = np.minimum(np.minimum(self._left, self.most_change), last_changes + self._grown)
         lowest = np.maximum(np.maximum(-self._left, -self.most_change), last_changes - self._grown)
@@ -65,4 +63,4 @@ class Stopping:
         span = np.maximum(most - least, _TOLERANCE)
         share = np.clip((-velocities - least) / span, 0.0, 1.0)
         low, high = lowest[number, :, self._joints].T, highest[number, :, self._joints].T
-        return low + share * (high - low)
+        return (low + share * (high - low))[: number.max() + 1]

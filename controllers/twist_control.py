@@ -1,7 +1,9 @@
 """From a twist of the tool to joint targets, by differential inverse kinematics (mink)."""
 
 from collections.abc import Mapping, Sequence
+from ctypes import c_int
 
+import daqp
 import mink
 import mujoco
 import numpy as np
@@ -12,6 +14,8 @@ from sheath_manip.exceptions import ParameterError
 _POSTURE_COST = 1e-3
 """settles what the twist leaves open, next to a singularity, without pulling at the tool"""
 _DAMPING = 1e-6
+_RANGE_GAIN = 0.95
+"""share of what is left of a joint's range that one step may use up, as in mink's limits"""
 
 
 class TwistControl:
@@ -42,14 +46,12 @@ class TwistControl:
         self.model = model
         self.timestep_s = timestep_s
         self.configuration = mink.Configuration(model)
-        self._tool_site = tool_site
+        self._site = int(model.site(tool_site).id)
         self._tool = mink.FrameTask(tool_site, "site", position_cost=1.0, orientation_cost=0.3)
-        self._posture = mink.PostureTask(model, cost=_POSTURE_COST)
-        self._posture.set_target(np.array(home_rad, float))
-        self._own_limits = (
-            mink.ConfigurationLimit(model),
-            mink.VelocityLimit(model, joint_speeds_rad_s),
-        )
+        self._home_rad = np.array(home_rad, float)
+        self._own_hessian = (_POSTURE_COST**2 + _DAMPING) * np.eye(model.nv)
+        self._no_rows = np.zeros((0, model.nv))
+        self._steps_rad = np.array(list(joint_speeds_rad_s.values()), float) * timestep_s
         self.further_limits: tuple[mink.Limit, ...] = ()
         """beside the joints' ranges and speeds"""
         limited = model.jnt_limited.astype(bool)
@@ -58,7 +60,13 @@ class TwistControl:
 
     def transform_tool_to_world(self, positions_rad: NDArray) -> NDArray[np.float64]:
         """(4, 4) pose of the tool (m) with the joints at (j,) `positions_rad`."""
-        return self._pose(positions_rad).as_matrix()
+        data = self.configuration.data
+        data.qpos[:] = self._inside(positions_rad)
+        mujoco.mj_kinematics(self.model, data)
+        pose = np.eye(4)
+        pose[:3, :3] = data.site_xmat[self._site].reshape(3, 3)
+        pose[:3, 3] = data.site_xpos[self._site]
+        return pose
 
     def joint_targets(self, targets_rad: NDArray, twist: NDArray) -> NDArray[np.float64]:
         """(j,) the joints' targets (rad) at the end of a control step that starts with theirs.
@@ -69,31 +77,46 @@ class TwistControl:
         twist = np.asarray(twist, np.float64)
         if twist.shape != (6,) or not np.isfinite(twist).all():
             raise ParameterError(f"twist {twist.tolist()}; wanted 6 finite numbers, m/s and rad/s")
-        pose = self._pose(targets_rad)
-        # From here on the configuration holds these joints, which solve_ik starts from.
-        moved = twist * self.timestep_s
-        self._tool.set_target(
-            mink.SE3.from_rotation_and_translation(
-                mink.SO3.exp(moved[3:]) @ pose.rotation(), pose.translation() + moved[:3]
-            )
-        )
-        try:
-            rates = mink.solve_ik(
-                self.configuration,
-                [self._tool, self._posture],
-                self.timestep_s,
-                solver="daqp",
-                damping=_DAMPING,
-                limits=[*self._own_limits, *self.further_limits],
-            )
-        except mink.NoSolutionFound:
-            return self.configuration.q
-        return self.configuration.integrate(rates, self.timestep_s)
+        positions = self._inside(targets_rad)
+        self.configuration.update(positions)
+        self._tool.set_target(self._moved(twist))
+        step = self._solved(positions)
+        return positions if step is None else positions + step
 
-    def _pose(self, positions_rad: NDArray) -> mink.SE3:
-        inside = np.minimum(np.maximum(positions_rad, self.lower_rad), self.upper_rad)
-        self.configuration.update(inside)
-        return self.configuration.get_transform_frame_to_world(self._tool_site, "site")
+    def _moved(self, twist: NDArray) -> mink.SE3:
+        """Where `twist` takes the tool in a control step from where the configuration has it."""
+        data, pose, turn = self.configuration.data, np.empty(7), np.array([1.0, 0.0, 0.0, 0.0])
+        mujoco.mju_mat2Quat(pose[:4], data.site_xmat[self._site])
+        mujoco.mju_quatIntegrate(turn, twist[3:], self.timestep_s)
+        mujoco.mju_mulQuat(pose[:4], turn, pose[:4].copy())
+        pose[4:] = data.site_xpos[self._site] + twist[:3] * self.timestep_s
+        return mink.SE3(pose)
+
+    def _solved(self, positions_rad: NDArray) -> NDArray[np.float64] | None:
+        """(j,) the joints' step (rad) that serves the objectives best within the limits.
+
+        None where there is none. mink states what the tool and further limits want. The posture it
+        would put the same way, and the joints' ranges and speeds as twice as many rows, which the
+        solver takes as bounds.
+        """
+        hessian, gradient = self._tool.compute_qp_objective(self.configuration)
+        hessian = hessian + self._own_hessian
+        gradient = gradient - _POSTURE_COST**2 * (self._home_rad - positions_rad)
+        lower = np.maximum(_RANGE_GAIN * (self.lower_rad - positions_rad), -self._steps_rad)
+        upper = np.minimum(_RANGE_GAIN * (self.upper_rad - positions_rad), self._steps_rad)
+        rows = self._no_rows
+        for limit in self.further_limits:
+            further = limit.compute_qp_inequalities(self.configuration, self.timestep_s)
+            if further.G is not None and further.h is not None:
+                rows = np.concatenate([rows, further.G])
+                upper = np.concatenate([upper, further.h])
+                lower = np.concatenate([lower, np.full(len(further.h), -np.inf)])
+        inequalities = np.zeros(len(upper), c_int)
+        step, _, found, _ = daqp.solve(hessian, gradient, rows, upper, lower, inequalities)
+        return step if found > 0 else None
+
+    def _inside(self, positions_rad: NDArray) -> NDArray[np.float64]:
+        return np.minimum(np.maximum(positions_rad, self.lower_rad), self.upper_rad)
 
 
 def twist_between(before: NDArray, after: NDArray, timestep_s: float) -> NDArray[np.float64]:

@@ -50,15 +50,22 @@ class Workspace:
         self.clearance_m = clearance_m
         self.tool_position_m(home_rad)
         compared = [pair for pair in _pairs(model) if self._distance_m(*pair) >= clearance_m]
-        plane = np.array([_PLANE in model.geom_type[list(pair)] for pair in compared], bool)
         pairs = np.array(compared, int).reshape(-1, 2)
         # A plane first, so that what stands before it comes second.
         flat = model.geom_type[pairs[:, 1]] == _PLANE
         pairs[flat] = pairs[flat][:, ::-1]
-        self._over_planes, self._pairs = pairs[plane], pairs[~plane]
+        over_plane = model.geom_type[pairs[:, 0]] == _PLANE
+        planes, over = pairs[over_plane].T
+        self._pairs = np.concatenate([pairs[over_plane], pairs[~over_plane]])
+        firsts, seconds = pairs[~over_plane].T
+        self._ends = np.concatenate([over, firsts, seconds])
         radii = model.geom_rbound
-        self._plane_reach = radii[self._over_planes[:, 1]] + clearance_m
-        self._reach = radii[self._pairs].sum(1) + clearance_m
+        reach = radii[firsts] + radii[seconds] + clearance_m
+        self._reach_squared = reach**2
+        # A plane is fixed to the world, says MuJoCo's compiler.
+        self._normals = self._data.geom_xmat[planes][:, 2::3]
+        heights = np.vecdot(self._normals, self._data.geom_xpos[planes])
+        self._plane_reach = heights + radii[over] + clearance_m
         breach = self.breach(home_rad)
         if breach is not None:
             raise ParameterError(f"at home {breach.what}; wanted a home within the limits")
@@ -66,8 +73,7 @@ class Workspace:
     @property
     def compared(self) -> list[tuple[str, str]]:
         """The pairs of geoms that are kept apart, by name."""
-        pairs = np.concatenate([self._over_planes, self._pairs])
-        return [(self._name(first), self._name(second)) for first, second in pairs]
+        return [(self._name(first), self._name(second)) for first, second in self._pairs]
 
     def tool_position_m(self, positions_rad: NDArray) -> NDArray[np.float64]:
         """(3,) of the tool, world frame, with the joints at (j,) `positions_rad`."""
@@ -78,8 +84,7 @@ class Workspace:
     def distance_m(self, positions_rad: NDArray) -> float:
         """The smallest distance between geoms that are compared."""
         self.tool_position_m(positions_rad)
-        pairs = (*self._over_planes, *self._pairs)
-        return min(self._distance_m(*pair) for pair in pairs)
+        return min(self._distance_m(*pair) for pair in self._pairs)
 
     def breach(self, positions_rad: NDArray) -> Breach | None:
         """What is wrong with (j,) `positions_rad`; None where nothing is."""
@@ -100,13 +105,12 @@ class Workspace:
 
     def _near(self) -> NDArray[np.int64]:
         """Pairs whose bounding spheres are not clear of each other."""
-        places, turns = self._data.geom_xpos, self._data.geom_xmat
-        planes, above = self._over_planes.T
-        normals = turns[planes][:, 2::3]
-        heights = np.einsum("pi,pi->p", normals, places[above] - places[planes])
-        apart = places[self._pairs[:, 0]] - places[self._pairs[:, 1]]
-        near = np.einsum("pi,pi->p", apart, apart) < self._reach**2
-        return np.concatenate([self._over_planes[heights < self._plane_reach], self._pairs[near]])
+        places = self._data.geom_xpos[self._ends]
+        planes, pairs = len(self._plane_reach), len(self._reach_squared)
+        low = np.vecdot(self._normals, places[:planes]) < self._plane_reach
+        apart = places[planes : planes + pairs] - places[planes + pairs :]
+        near = np.vecdot(apart, apart) < self._reach_squared
+        return self._pairs[np.concatenate([low, near])]
 
     def _parting(self, first: int, second: int) -> NDArray[np.float64]:
         """(j,) gradient of the distance between two geoms."""

@@ -94,9 +94,13 @@ class ActionSpec:
                 f"action has shape {array.shape}; wanted {self.minimum.shape} "
                 f"({', '.join(self.names)})"
             )
-        if not np.isfinite(array).all():
-            raise ActionError(f"action is not finite: {array.tolist()} ({', '.join(self.names)})")
-        if (array < self.minimum - 1e-6).any() or (array > self.maximum + 1e-6).any():
+        # Not a number is not inside either.
+        inside = (array >= self.minimum - 1e-6) & (array <= self.maximum + 1e-6)
+        if not inside.all():
+            if not np.isfinite(array).all():
+                raise ActionError(
+                    f"action is not finite: {array.tolist()} ({', '.join(self.names)})"
+                )
             raise ActionError(
                 f"action {array.tolist()} leaves its bounds "
                 f"{self.minimum.tolist()} .. {self.maximum.tolist()} ({', '.join(self.names)})"

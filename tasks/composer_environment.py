@@ -1,10 +1,10 @@
 """From a dm_control composer task to the core's `Environment`: one adapter for all tasks."""
 
 from abc import abstractmethod
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from typing import cast
 
-import dm_env
 import mujoco
 import numpy as np
 from dm_control import composer, mjcf
@@ -38,14 +38,19 @@ _STATE = (
 class SheathTask(composer.Task):
     """What a composer task adds to be learned under a gate.
 
-    Observables of dimension 3 are images, named after their camera; all others are joined, in
-    order, to the features.
+    Of its `task_observables` those that are enabled are seen. Those named after a camera of its
+    `spec` are images; all others are joined, in order, to the features.
     """
 
     spec: TaskSpec
     legacy_step: bool = True
     """composer's own: kinematics and contacts are up to date after each physics substep, at the
     price of half of another one"""
+
+    @property
+    def observables(self) -> OrderedDict:
+        """None for composer: its buffers and delays cost more than a look at the features does."""
+        return OrderedDict()
 
     @abstractmethod
     def outcome(self) -> Outcome:
@@ -100,7 +105,6 @@ class ComposerEnvironment:
         self._environment = composer.Environment(
             task,
             random_state=0,
-            strip_singleton_obs_buffer_dim=True,
             recompile_mjcf_every_episode=False,
             legacy_step=task.legacy_step,
         )
@@ -120,7 +124,8 @@ class ComposerEnvironment:
         """Start the episode that belongs to `seed` (0 .. 2**32 - 1)."""
         self._environment.random_state.seed(seed)
         self._steps = 0
-        return self._observation(self._environment.reset())
+        self._environment.reset()
+        return self.observe()
 
     def step(self, action: Action) -> Transition:
         """Run one control step; raises ActionError for an action outside the spec."""
@@ -128,7 +133,7 @@ class ComposerEnvironment:
         self._steps += 1
         terminated = time_step.last()
         return Transition(
-            self._observation(time_step),
+            self.observe(),
             float(time_step.reward or 0.0),
             terminated=terminated,
             truncated=not terminated and self._steps >= self.spec.max_steps,
@@ -161,14 +166,20 @@ class ComposerEnvironment:
         return self.pose()
 
     def observe(self) -> Observation:
-        """Look at the present state afresh."""
-        observables = self.task.observables
-        values = {
-            name: observable(self.physics, None)
-            for name, observable in observables.items()
-            if observable.enabled
-        }
-        return self._split(values)
+        """Look at the present state."""
+        physics, cameras = self.physics, self.spec.cameras
+        images, features = {}, []
+        for name, observable in self.task.task_observables.items():
+            if not observable.enabled:
+                continue
+            value = observable(physics)
+            if name in cameras:
+                images[name] = value
+            else:
+                features.append(np.ravel(value))
+        return Observation(
+            images, np.concatenate(features).astype(np.float32), float(physics.data.ptr.time)
+        )
 
     def scene(self) -> Sequence[SceneGeom]:
         """The visible shapes."""
@@ -201,12 +212,3 @@ class ComposerEnvironment:
         # After an episode's end composer would take the next step for the start of another one.
         self._environment._reset_next_step = False
         self.physics.forward()
-
-    def _observation(self, time_step: dm_env.TimeStep) -> Observation:
-        return self._split(time_step.observation)
-
-    def _split(self, values: Mapping[str, NDArray]) -> Observation:
-        images = {camera: np.asarray(values[camera]) for camera in self.spec.cameras}
-        rest = [np.ravel(value) for name, value in values.items() if name not in images]
-        features = np.concatenate(rest).astype(np.float32)
-        return Observation(images, features, float(self.physics.time()))

@@ -83,9 +83,10 @@ class Repeat:
     def __init__(self, cameras: tuple[str, ...]) -> None:
         self._player = Player(cameras)
         environment = self._player.environment
-        self._model, self._data = environment.physics.model.ptr, environment.physics.data.ptr
         self._actions, _ = self._player.play(self._player.begin(0), 10_000)
         self._player.begin(0)
+        # Not before: composer compiles the model a second time at the first reset.
+        self._model, self._data = environment.physics.model.ptr, environment.physics.data.ptr
         self._controls: list[NDArray[np.float64]] = []
         for action in self._actions:
             environment.step(action)

@@ -4,7 +4,6 @@ import ipaddress
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
@@ -27,7 +26,6 @@ NOT_LOOPBACK = (
 )
 
 TaskName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
-StorePath = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STORE")]
 StoreAddress = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STORE")]
 """a directory or a URL, which a Path would spoil"""
 

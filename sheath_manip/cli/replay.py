@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from sheath_manip.cli.options import Address, StorePath
+from sheath_manip.cli.options import Address, StoreAddress
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.task import TaskEntry
@@ -24,8 +24,8 @@ KINDS = (".mp4", ".html")
 class Replay:
     """Look at recorded episodes in the browser until Ctrl-C: scrub, jump, mark, take along."""
 
-    store: StorePath
-    """directory of the episodes"""
+    store: StoreAddress
+    """directory of the episodes, or a URL"""
     episode: str = "0"
     """to begin with: name, or place in `sheath data list`, from 0; -1 is the last"""
     speed: float = 1.0
@@ -48,10 +48,10 @@ class Replay:
             )
         # Only now: other verbs need no store and no page.
         from sheath_manip.dashboard.shelf import Shelf
+        from sheath_manip.dataset.places import open_place
         from sheath_manip.dataset.show import chosen
-        from sheath_manip.dataset.store import EpisodeStore
 
-        store = EpisodeStore(self.store)
+        store = open_place(self.store)
         place = store.names().index(chosen(store, self.episode))
         shelf = Shelf(store)
         task = session.task(shelf.summaries[place].info.task)

@@ -14,7 +14,7 @@ from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
-    from sheath_manip.dataset.store import EpisodeStore
+    from sheath_manip.dataset.reader import EpisodeReader
     from sheath_manip.protocols import Policy
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
@@ -45,8 +45,8 @@ class Train:
 
     task: TaskName
     """name of the task, as `sheath tasks` lists it"""
-    store: Path
-    """directory of the episodes, as `sheath collect` records them"""
+    store: str
+    """directory of the episodes, as `sheath collect` records them, or a URL"""
     checkpoint: Path
     """file to write, such as runs/first.npz"""
     policy: str | None = None
@@ -89,8 +89,8 @@ class Train:
         from sheath_manip.checkpoint import digest
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.mapped import mapped_samples
+        from sheath_manip.dataset.places import open_place
         from sheath_manip.dataset.samples import samples_from
-        from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.fitting import fit_gate
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
@@ -110,7 +110,7 @@ class Train:
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
-        store = EpisodeStore(self.store)
+        store = open_place(self.store)
         training, held_out = self._split(store, spec.name, plan.calibration)
         with session.err.status("reading"):
             states = (
@@ -153,7 +153,7 @@ class Train:
         session.out.print(table)
         return 0
 
-    def _split(self, store: "EpisodeStore", task: str, count: int) -> tuple[list[str], list[str]]:
+    def _split(self, store: "EpisodeReader", task: str, count: int) -> tuple[list[str], list[str]]:
         """The names of the episodes to train on, and of the expert's last `count`, held out."""
         summaries = store.infos()
         for summary in summaries:

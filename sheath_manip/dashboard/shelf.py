@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from sheath_manip.dataset.marks import Marks
-from sheath_manip.dataset.reader import EpisodeSummary
+from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.dataset.samples import Samples, samples_from
-from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Episode, Outcome
 
@@ -19,7 +18,7 @@ MOST_STATES_OF = 40
 class Shelf:
     """Reads and marks episodes of one store; a place is that of `sheath data list`."""
 
-    def __init__(self, store: EpisodeStore) -> None:
+    def __init__(self, store: EpisodeReader) -> None:
         self._store = store
         self._names = store.names()
         self._lock = threading.Lock()
@@ -59,7 +58,7 @@ class Shelf:
             return self._marks[place]
 
     def mark(self, place: int, marks: Marks) -> None:
-        """Keep what is said of it; raises StoreError where the disk refuses."""
+        """Keep what is said of it; raises StoreError where its place does not."""
         name = self.name(place)
         self._store.mark(name, marks)
         summary = self._store.summary(name)

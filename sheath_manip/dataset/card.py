@@ -12,12 +12,12 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.types import TaskSpec
 
 _MEANINGS = {
-    "features": "what is measured before the action",
+    "features": "what is measured",
     "time_s": "s, since the episode began",
-    "state": "simulator state before the action, for replay",
+    "state": "simulator state, for replay",
     "proposed": "by the policy; NaN where `has_proposed` is false",
     "labelled": "by the expert; NaN where `has_labelled` is false",
-    "executed": "what was done",
+    "executed": "what was commanded, after the command filter where there is one",
     "has_proposed": "the policy proposed an action",
     "has_labelled": "the expert was asked",
     "intervention": "the expert acts in an episode that a policy was to drive",
@@ -27,6 +27,8 @@ _MEANINGS = {
     "score": "of the support, positive inside; NaN where there is none",
     "threshold": "the score below which the expert takes over; NaN where there is none",
     "reward": "of the executed action",
+    "limited": "by how much each limit (attribute `limits`) changed the command, as a share of the "
+    "fastest one; NaN where it did not",
 }
 
 
@@ -37,9 +39,13 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
     """
     summaries, broken = readable(reader)
     if not summaries:
-        raise StoreError(f"{reader.address} has no episode to tell of")
-    header = reader.header(summaries[0].name)
+        why = f" that can be read; {broken[0]}" if broken else ""
+        raise StoreError(f"{reader.address} has no episode{why}")
+    headers = [reader.header(summary.name) for summary in summaries]
+    # Only where a limit acted does an episode have the array that tells of it.
+    header = max(headers, key=lambda header: bool(header.limits))
     info = header.info
+    dates = sorted({header.recorded_utc for header in headers})
     steps = sum(summary.length for summary in summaries)
     expert = sum(summary.expert_share * summary.length for summary in summaries) / steps
     versions = ", ".join(f"{package} {version}" for package, version in header.versions.items())
@@ -56,7 +62,7 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
         f"- the expert acted in {expert:.1%} of the steps; "
         f"{sum(s.queries for s in summaries)} steps asked for a label",
         *(f"- {name}: mean {value:.4g}" for name, value in _metrics(summaries).items()),
-        f"- recorded {header.recorded_utc} by {versions}",
+        f"- recorded {' to '.join(dict.fromkeys([dates[0], dates[-1]]))} by {versions}",
         *([f"- {len(broken)} further episodes cannot be read"] if broken else []),
         "",
         "Each episode has T steps and T+1 observations (`final/…` is the last), all actions and "
@@ -72,14 +78,19 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
 
 def _row(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
     final = array.path.startswith("final/")
-    shape = ", ".join(map(str, array.shape if final else ("T", *array.shape[1:])))
+    sizes = ["l"] if array.path == "limited" else array.shape[1:]
+    shape = ", ".join(map(str, array.shape if final else ("T", *sizes)))
     return f"| `{array.path}` | {array.dtype} | ({shape}) | {_meaning(array, header, spec)} |"
 
 
 def _meaning(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
+    paths = {each.path for each in layout(header)}
     path = array.path.removeprefix("final/")
-    after = "; after the last action" if path != array.path else ""
-    text = "RGB before the action" if array.is_image else _MEANINGS.get(path, "")
+    text = "RGB" if array.is_image else _MEANINGS[path]
+    if path != array.path:
+        text += ", after the last action"
+    elif f"final/{path}" in paths:
+        text += ", before the action"
     names: Sequence[str] = ()
     if spec is not None and path == "features" and len(spec.feature_names) == header.feature_size:
         names = spec.feature_names
@@ -87,7 +98,7 @@ def _meaning(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
         names = spec.action.names
     # A platform of hundreds of tiles would make a line that nobody reads.
     listed = ", ".join(f"`{name}`" for name in names[:16]) + ", …" * (len(names) > 16)
-    return f"{text}{after}" + (f": {listed}" if listed else "")
+    return text + (f": {listed}" if listed else "")
 
 
 def _counts(words: Iterable[str]) -> str:

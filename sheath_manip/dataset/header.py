@@ -62,10 +62,16 @@ class Header:
 
 
 def header_of(episode: Episode) -> Header:
-    """The header of `episode`; raises StoreError where it has no step or a camera an odd name."""
+    """The header of `episode`; raises StoreError where it has no step, no control rate, or a camera
+    of an odd name.
+    """
     name = episode_name(episode.info)
     if not episode.steps:
         raise StoreError(f"{name}: wanted at least one step, the episode has none")
+    if not _is_rate(episode.info.control_rate_hz):
+        raise StoreError(
+            f"{name}: wanted a control rate above 0 Hz, got {episode.info.control_rate_hz}"
+        )
     for camera in episode.final_observation.images:
         if not _CAMERA.fullmatch(camera):
             raise StoreError(
@@ -179,6 +185,11 @@ def from_attributes(name: str, attributes: Any) -> Header:
 def _from_attributes(attributes: Mapping[str, Any]) -> Header:
     if attributes["length"] < 1 or not all(map(_CAMERA.fullmatch, attributes["cameras"])):
         raise ValueError("wanted at least one step and plain camera names")
+    if not _is_rate(float(attributes["control_rate_hz"])):
+        raise ValueError(f"wanted a control rate above 0 Hz, found {attributes['control_rate_hz']}")
+    for flag in ("terminated", "truncated"):
+        if not isinstance(attributes[flag], bool):
+            raise TypeError(f"wanted true or false for {flag}, found {attributes[flag]!r}")
     return Header(
         info=EpisodeInfo(
             task=str(attributes["task"]),
@@ -199,8 +210,8 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         feature_size=int(attributes["feature_size"]),
         state_size=int(attributes["state_size"]),
         action_size=int(attributes["action_size"]),
-        terminated=bool(attributes["terminated"]),
-        truncated=bool(attributes["truncated"]),
+        terminated=attributes["terminated"],
+        truncated=attributes["truncated"],
         outcome=Outcome(attributes["outcome"]),
         # float() reads both a JSON number and the names that _to_json gives to the rest.
         metrics={name: float(value) for name, value in attributes["metrics"].items()},
@@ -212,6 +223,10 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         versions={name: str(value) for name, value in attributes["versions"].items()},
         recorded_utc=str(attributes["recorded_utc"]),
     )
+
+
+def _is_rate(rate_hz: float) -> bool:
+    return 0 < rate_hz < math.inf
 
 
 def _to_json(value: float) -> float | str:

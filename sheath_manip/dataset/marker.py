@@ -1,6 +1,7 @@
 """The small file that says that a directory is an episode store, and of which schema."""
 
 import json
+import re
 import uuid
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,10 +14,12 @@ MARKER = "sheath-store.json"
 FORMAT = "sheath-store"
 SCHEMA = 1
 """of the directory; each episode has its own, see `header.SCHEMA`"""
+_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
 
 
 def require_marker(path: Path) -> None:
     """Raise StoreError unless `path` is a store of this schema."""
+    _require_directory(path)
     if not path.exists():
         raise _no_store(path, "nothing")
     if not (path / MARKER).is_file():
@@ -54,6 +57,7 @@ def write_marker(path: Path) -> None:
 
     Raises StoreError where something else is, and OSError.
     """
+    _require_directory(path)
     path.mkdir(parents=True, exist_ok=True)
     entries = sorted(entry.name for entry in path.iterdir())
     foreign = [name for name in entries if not name.startswith(LEFTOVER_PREFIX)]
@@ -68,6 +72,15 @@ def write_marker(path: Path) -> None:
     aside.replace(path / MARKER)
     sync(path)
     sync(path.parent)
+
+
+def _require_directory(path: Path) -> None:
+    # As a path a URL is a folder `s3:` on this machine, where nobody would look for episodes.
+    if _URL.match(path.as_posix()):
+        raise StoreError(
+            f"{path} is a URL, wanted a directory; record into one, then push it: "
+            "`sheath data merge DIRECTORY --into URL`"
+        )
 
 
 def _no_store(path: Path | str, found: str) -> StoreError:

@@ -1,6 +1,7 @@
 """Where episodes can be: a directory of this machine, or a URL of an object store."""
 
 from typing import TYPE_CHECKING
+from urllib.parse import unquote, urlsplit
 
 from sheath_manip.dataset.store import EpisodeStore
 
@@ -14,6 +15,8 @@ def open_place(address: str, create: bool = False) -> "EpisodeStore | RemoteStor
     Raises StoreError where there is none, and SetupError where a URL wants a package that is not
     installed.
     """
+    if address.startswith("file://"):
+        address = unquote(urlsplit(address).path)
     if "://" not in address:
         return EpisodeStore.create(address) if create else EpisodeStore(address)
     # Only now: it wants an optional package.

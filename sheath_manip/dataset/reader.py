@@ -11,7 +11,7 @@ from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec, layout
 from sheath_manip.dataset.marks import Marks, learnable
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.dataset.steps import episode_from
+from sheath_manip.dataset.steps import episode_from, require_sound
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
 
@@ -77,6 +77,13 @@ class EpisodeReader(ABC):
         """
         return Marks()
 
+    def mark(self, name: str, marks: Marks) -> None:  # noqa: ARG002
+        """Keep what a person says of the episode; raises StoreError, also where none are kept."""
+        raise StoreError(
+            f"{self.address} keeps no marks; merge it into a directory of this machine and "
+            "mark it there"
+        )
+
     def summary(self, name: str) -> EpisodeSummary:
         """One episode at a glance; raises StoreError where its header cannot be read."""
         header, marks = self.header(name), self.marks(name)
@@ -103,14 +110,13 @@ class EpisodeReader(ABC):
         Without `need_images` no image is decompressed, and the arrays of images are not there.
         """
         header = self.header(name)
-        return Recorded(
-            header,
-            {
-                spec.path: self.array(name, spec)
-                for spec in layout(header)
-                if need_images or not spec.is_image
-            },
-        )
+        arrays = {
+            spec.path: self.array(name, spec)
+            for spec in layout(header)
+            if need_images or not spec.is_image
+        }
+        require_sound(header, arrays)
+        return Recorded(header, arrays)
 
     def read(self, name: str, need_images: bool = True) -> Episode:
         """The episode as it was recorded, to the bit; raises StoreError where it is damaged.

@@ -94,7 +94,13 @@ class RemoteStore(EpisodeReader):
 
     def array(self, name: str, spec: ArraySpec) -> NDArray:
         """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
-        return read_array(name, StorePath(self._group, name), spec)
+        try:
+            return read_array(name, StorePath(self._group, name), spec)
+        except FaultError as error:
+            # A server that does not answer is no reason to drop an episode.
+            if isinstance(error.__cause__, BaseError):
+                raise _unreachable(self.url, error.__cause__) from error
+            raise
 
     def files(self, name: str) -> Mapping[str, int]:
         """The size in bytes of each object of the episode, as its manifest tells."""

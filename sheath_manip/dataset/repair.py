@@ -11,7 +11,7 @@ from sheath_manip.dataset.faults import FaultError, FaultKind
 from sheath_manip.dataset.header import GROUP_FILE, from_attributes
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import StoreError
+from sheath_manip.exceptions import ParameterError, StoreError
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,10 @@ def repair(store: EpisodeStore, idle_s: float) -> Repaired:
     """Delete leftovers that nobody wrote to for `idle_s`, and give misnamed episodes their names.
 
     A damaged episode stays: only its name can say that it may go. Raises StoreError where the disk
-    refuses.
+    refuses, and ParameterError for an `idle_s` below 0.
     """
+    if not idle_s >= 0:
+        raise ParameterError(f"leftovers idle for {idle_s} s; wanted 0 or more")
     swept, renamed, waiting = [], [], []
     now_s = time.time()
     try:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
+from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import Arrays, layout
 from sheath_manip.dataset.naming import episode_name
@@ -87,11 +87,7 @@ def require_layout(header: Header, arrays: Arrays) -> None:
 
 
 def episode_from(header: Header, arrays: Arrays) -> Episode:
-    """The episode of `header`; where `arrays` lacks images, its observations have none.
-
-    Raises FaultError as `require_known_codes` does.
-    """
-    require_known_codes(header, arrays)
+    """The episode of `header`; where `arrays` lacks images, its observations have none."""
     cameras = [camera for camera in header.cameras if f"images/{camera}" in arrays]
     actors, reasons = arrays["actor"].tolist(), arrays["reason"].tolist()
     scores, thresholds = arrays["score"].tolist(), arrays["threshold"].tolist()
@@ -141,16 +137,44 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
     )
 
 
-def require_known_codes(header: Header, arrays: Arrays) -> None:
-    """Raise FaultError where an actor or a reason is a code that the header does not list."""
-    for name, meanings in (("actor", header.actors), ("reason", header.reasons)):
-        if arrays[name].max() >= len(meanings):
-            raise FaultError(
-                episode_name(header.info),
+def require_sound(header: Header, arrays: Arrays) -> None:
+    """Raise FaultError at the first of `content_faults`."""
+    for fault in content_faults(header, arrays):
+        raise FaultError(fault.name, fault.kind, fault.text)
+
+
+def content_faults(header: Header, arrays: Arrays) -> list[Fault]:
+    """What is wrong with values that decode: unknown codes, other counts, actions that are none."""
+    name = episode_name(header.info)
+    for array, meanings in (("actor", header.actors), ("reason", header.reasons)):
+        highest = arrays[array].max()
+        if highest >= len(meanings):
+            text = f"{array} holds the code {highest}, its header knows {len(meanings)}; {REMEDY}"
+            return [Fault(name, FaultKind.MISMATCH, text)]
+    counts = {
+        "steps by the expert": (header.expert_steps, by_expert(header, arrays).sum()),
+        "queries": (header.queries, arrays["query"].sum()),
+    }
+    return [
+        *(
+            Fault(
+                name,
                 FaultKind.MISMATCH,
-                f"{name} holds the code {arrays[name].max()}, "
-                f"its header knows {len(meanings)}; {REMEDY}",
+                f"its header tells of {told} {what}, its arrays hold {held}; {REMEDY}",
             )
+            for what, (told, held) in counts.items()
+            if told != held
+        ),
+        *(
+            Fault(name, FaultKind.NOT_FINITE, f"an action in {array!r} is not finite; {REMEDY}")
+            for array in not_finite(arrays)
+        ),
+    ]
+
+
+def by_expert(header: Header, arrays: Arrays) -> NDArray[np.bool_]:
+    """(T,) in which steps the expert acted."""
+    return np.array([actor is Actor.EXPERT for actor in header.actors])[arrays["actor"]]
 
 
 def not_finite(arrays: Arrays) -> list[str]:

@@ -32,8 +32,8 @@ from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import (
     arrays_of,
     not_finite,
-    require_known_codes,
     require_layout,
+    require_sound,
 )
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, EpisodeInfo
@@ -97,12 +97,12 @@ class EpisodeStore(EpisodeReader):
         if final.exists():
             raise _taken(self.path, name)
         require_layout(header, arrays)
-        require_known_codes(header, arrays)
         for array in not_finite(arrays):
             raise StoreError(
                 f"{name}: an action in {array!r} is not finite; "
                 "check actions with ActionSpec.validated"
             )
+        require_sound(header, arrays)
         needed_bytes = sum(array.nbytes for array in arrays.values())
         self._publish(name, needed_bytes, lambda aside: write_group(aside, header, arrays))
         return name

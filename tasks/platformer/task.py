@@ -141,8 +141,6 @@ class PlatformerTask(SheathTask):
         """Bind rules and blocks to the model."""
         self._game = Game(physics.model.ptr, physics.data.ptr)
         self._pool = BlockPool(physics.model.ptr)
-        # Composer looks at the observables before the first episode begins.
-        self.play(physics, self._draw(self.scenario.stage or 0), 0.0)
 
     def initialize_episode(self, physics: mjcf.Physics, random_state) -> None:
         """Lay the stage and draw where the player starts."""

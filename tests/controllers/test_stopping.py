@@ -33,7 +33,7 @@ def test_every_motion_is_stopped_within_the_limits(ramps, motion):
     last = np.array([change for _, change in motion]) * stops.most_change
     changes = stops.changes(velocities, last)
     assert changes is not None
-    assert changes.shape == (stops.steps, 3)
+    assert 1 <= len(changes) <= stops.steps
     np.testing.assert_allclose(velocities + changes.sum(0), 0, atol=1e-9)
     assert (np.abs(changes) <= stops.most_change + 1e-12).all()
     jerks = np.diff(np.vstack([last, changes, np.zeros(3)]), axis=0)
@@ -46,7 +46,7 @@ def test_a_stop_takes_no_step_more_than_it_must():
     for ninths, steps in ((1, 1), (2, 2), (4, 3), (4.1, 4), (6, 4), (9, 5), (9.1, 6)):
         changes = stops.changes(SPEEDS * ninths / 9, np.zeros(3))
         assert changes is not None
-        assert np.count_nonzero(np.abs(changes).max(1) > 1e-12) == steps
+        assert len(changes) == steps
 
 
 def test_what_cannot_be_stopped_in_time_has_no_stop():

@@ -1,5 +1,6 @@
 """The tool moves as commanded, within the joints' limits."""
 
+import mink
 import numpy as np
 import pytest
 
@@ -44,6 +45,30 @@ def test_joints_keep_their_ranges_and_speeds(control):
         assert (moved <= upper + 1e-6).all()
         assert (np.abs(moved - targets) <= top * TIMESTEP_S + 1e-6).all()
         targets = moved
+
+
+def test_it_is_what_mink_makes_of_the_same_objectives_and_limits(control):
+    configuration = mink.Configuration(control.model)
+    tool = mink.FrameTask(ARM_WITH_JAW.tool_site, "site", 1.0, orientation_cost=0.3)
+    posture = mink.PostureTask(control.model, cost=1e-3)
+    posture.set_target(HOME)
+    speeds = ARM_WITH_JAW.joint_speeds_rad_s
+    limits = [mink.ConfigurationLimit(control.model), mink.VelocityLimit(control.model, speeds)]
+    rng = np.random.default_rng(1)
+    lower, upper = control.model.jnt_range.T
+    for spread in (0.1, 0.5, 3.0) * 40:
+        start = np.clip(HOME + rng.normal(size=6) * spread, lower, upper)
+        twist = rng.uniform(-1, 1, 6) * spread
+        configuration.update(start)
+        pose = configuration.get_transform_frame_to_world(ARM_WITH_JAW.tool_site, "site")
+        turned = mink.SO3.exp(twist[3:] * TIMESTEP_S) @ pose.rotation()
+        moved = pose.translation() + twist[:3] * TIMESTEP_S
+        tool.set_target(mink.SE3.from_rotation_and_translation(turned, moved))
+        rates = mink.solve_ik(
+            configuration, [tool, posture], TIMESTEP_S, "daqp", damping=1e-6, limits=limits
+        )
+        wanted = configuration.integrate(rates, TIMESTEP_S)
+        np.testing.assert_allclose(control.joint_targets(start, twist), wanted, atol=1e-9)
 
 
 def test_without_a_twist_it_stays(control):

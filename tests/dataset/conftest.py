@@ -1,10 +1,24 @@
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.types import Episode
+from sheath_manip.types import Episode, TaskSpec
+from tasks.table import TASKS
+from tests.toy import Corridor
 from tools.kill_recorder import synthetic_episode, synthetic_info
+
+
+@pytest.fixture(scope="session")
+def specs() -> Mapping[str, TaskSpec]:
+    """What every task looks like, and the toy one."""
+    found = {"corridor": Corridor().spec}
+    for name, task in TASKS.items():
+        environment = task.make()
+        found[name] = environment.spec
+        environment.close()
+    return found
 
 
 @pytest.fixture

@@ -95,8 +95,8 @@ def test_backs_out_where_there_is_no_way_in_and_says_so(player):
     assert player.environment.metrics()["tilt_deg"] < 1
 
 
-@pytest.mark.parametrize("number", range(6))
-def test_takes_over_from_a_policy_that_errs(number, player):
+def interrupted(player: Player, number: int) -> Observation | None:
+    """What is seen after an erring driver; None where it left nothing to take over."""
     rng = np.random.default_rng(number)
     observation = player.begin(10 + number)
     observation = player.play(observation, steps=int(rng.integers(5, 35)))
@@ -104,7 +104,16 @@ def test_takes_over_from_a_policy_that_errs(number, player):
         erring = player.expert.act(observation) + rng.normal(0, 0.3, 7).astype(np.float32)
         transition = player.environment.step(np.clip(erring, -1, 1))
         observation = transition.observation
-        assert not transition.terminated, "nothing was left to take over"
+        if transition.terminated:
+            return None
+    return observation
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_takes_over_from_a_policy_that_errs(number, player):
+    # A noisy driver topples something in one scene of a dozen by itself.
+    tries = (interrupted(player, number + 6 * again) for again in range(3))
+    observation = next(each for each in tries if each is not None)
     player.play(observation)
     assert player.environment.outcome() is Outcome.SUCCESS
 

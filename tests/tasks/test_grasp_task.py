@@ -6,6 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from dm_control.rl.control import PhysicsError
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import Outcome
@@ -173,3 +174,13 @@ def test_success_wants_the_target_up_for_half_a_second(table):
         assert transition.terminated == (step == 10)
     assert table.environment.outcome() is Outcome.SUCCESS
     assert table.environment.metrics()["success"] == 1.0
+
+
+def test_a_divergence_is_noticed_in_any_physics_step(table, tmp_path, monkeypatch):
+    # MuJoCo writes its warning to a file of the working directory.
+    monkeypatch.chdir(tmp_path)
+    table.environment.reset(0)
+    # MuJoCo notices at the control step's first physics step, and goes on from its reset.
+    table.data.qvel[0] = 1e12
+    with pytest.raises(PhysicsError, match="BADQVEL"):
+        table.environment.step(STILL)

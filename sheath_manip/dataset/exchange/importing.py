@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 from sheath_manip.dataset.exchange.formats import ForeignFile
 from sheath_manip.dataset.exchange.key_map import KeyMap, interpret, numbered
+from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import EpisodeInfo, Outcome
 
 
@@ -41,13 +42,14 @@ def import_episodes(
     """Append the episodes of `file` to `store`, but for those that it holds.
 
     What this project exported comes back as it was, whatever `origin` says. An import that was cut
-    off can be run again. Raises StoreError where the file is damaged, where a key is missing, where
-    as
-    `EpisodeStore.has`; ParameterError where another tool wrote it and there is no `origin`.
+    off can be run again. Raises StoreError where the file is damaged, where a key is missing, and
+    where the store holds another episode of the same name; ParameterError where another tool wrote
+    the file and there is no `origin`.
     """
     added = held = 0
     for recorded in _recorded(file, origin):
         if store.has(recorded.header.info):
+            _require_same(store, recorded)
             held += 1
         else:
             store.adopt(recorded)
@@ -69,3 +71,20 @@ def _recorded(file: ForeignFile, origin: Origin | None) -> Iterator[Recorded]:
     for number, track in enumerate(file.tracks()):
         keys = origin.keys.over(file.default_keys, track)
         yield interpret(track, numbered(origin.info, number), origin.outcome, keys)
+
+
+def _require_same(store: EpisodeStore, recorded: Recorded) -> None:
+    """Raise StoreError unless the store's episode of that name holds the same arrays."""
+    name = episode_name(recorded.header.info)
+    held = store.recorded(name)
+    # By bytes: NaN is no other than NaN here.
+    specs = layout(held.header)
+    if (
+        held.header.outcome is not recorded.header.outcome
+        or specs != layout(recorded.header)
+        or any(held.arrays[s.path].tobytes() != recorded.arrays[s.path].tobytes() for s in specs)
+    ):
+        raise StoreError(
+            f"{store.path} holds another episode {name}, and it is kept; import under another "
+            "--method or into a new store"
+        )

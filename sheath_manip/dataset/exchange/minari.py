@@ -40,9 +40,11 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
     first = next(alike)
     observed = _observed(first)
     unbounded = {"low": -np.inf, "high": np.inf, "dtype": np.float32}
-    (target / "data").mkdir(parents=True)
+    # It joins a relative path to itself.
+    data = target.absolute() / "data"
+    data.mkdir(parents=True)
     storage = MinariStorage.new(
-        target / "data",
+        data,
         observation_space=spaces.Dict(
             {
                 name: spaces.Box(0, 255, values.shape[1:], np.uint8)

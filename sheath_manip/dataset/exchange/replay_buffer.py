@@ -177,6 +177,7 @@ class ReplayBufferFile:
             raise StoreError(
                 f"{self.path} has {len(attributes)} headers for {len(self._ends)} episodes"
             )
+        self._require_whole()
         start = 0
         for number, (entry, stop) in enumerate(zip(attributes, self._ends.tolist(), strict=True)):
             header = from_attributes(f"episode {number} of {self.path}", entry)
@@ -186,12 +187,23 @@ class ReplayBufferFile:
                     arrays[spec.path] = self._read("meta", flat(spec.path), number, number + 1)[0]
                 else:
                     arrays[spec.path] = self._read("data", flat(spec.path), start, stop)
-            with one_line(self.path, "the limits of every episode"):
-                columns = [limits.index(limit) for limit in header.limits]
-            if columns:
-                arrays[LIMITED] = arrays[LIMITED][:, columns]
+            if header.limits:
+                with one_line(self.path, "the limits of every episode"):
+                    columns = [limits.index(limit) for limit in header.limits]
+                    arrays[LIMITED] = arrays[LIMITED][:, columns]
             yield Recorded(header, arrays)
             start = stop
+
+    def _require_whole(self) -> None:
+        # zarr itself would fill the gap with zeros. Others leave chunks of zeros out; we do not.
+        with one_line(self.path, "a ReplayBuffer of sheath-manip"):
+            for group in ("data", "meta"):
+                for name, array in self._group(group).arrays():
+                    if array.nchunks_initialized != array.nchunks:
+                        raise StoreError(
+                            f"{self.path}: {group}/{name} has {array.nchunks_initialized} of "
+                            f"{array.nchunks} chunks; copy or export it again"
+                        )
 
     def _read(self, group: str, key: str, start: int, stop: int) -> NDArray:
         with one_line(self.path, "a ReplayBuffer"):

@@ -12,8 +12,9 @@ from sheath_manip.dataset.layout import has_label, layout
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.steps import by_expert
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Actor, Outcome
+from sheath_manip.types import Outcome
 
 
 class ActionChoice(StrEnum):
@@ -52,7 +53,7 @@ class Selection:
             taken &= ~marks.is_bad(recorded.header.length)
         if self.expert_steps:
             # Who only holds the robot in the expert's place is none.
-            taken &= by_expert(recorded) & recorded.arrays["query"]
+            taken &= by_expert(recorded.header, recorded.arrays) & recorded.arrays["query"]
         if self.action is ActionChoice.LABELLED:
             taken &= has_label(recorded.arrays)
         return taken
@@ -95,12 +96,6 @@ def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 
 
-def by_expert(recorded: Recorded) -> NDArray[np.bool_]:
-    """(T,) in which steps the expert acted."""
-    actors = np.array([actor is Actor.EXPERT for actor in recorded.header.actors])
-    return actors[recorded.arrays["actor"]]
-
-
 def piece(recorded: Recorded, start: int, stop: int) -> Recorded:
     """The steps `start` .. `stop` (exclusive) as an episode of their own.
 
@@ -123,7 +118,7 @@ def piece(recorded: Recorded, start: int, stop: int) -> Recorded:
             header,
             info=replace(header.info, method=f"{header.info.method}-from{start:04d}"),
             length=stop - start,
-            expert_steps=int(by_expert(recorded)[start:stop].sum()),
+            expert_steps=int(by_expert(header, arrays)[start:stop].sum()),
             queries=int(cut["query"].sum()),
             terminated=header.terminated and last,
             truncated=header.truncated or not last,

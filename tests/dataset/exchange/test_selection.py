@@ -6,12 +6,11 @@ import pytest
 from sheath_manip.dataset.exchange.selection import (
     ActionChoice,
     Selection,
-    by_expert,
     piece,
     runs,
     selected,
 )
-from sheath_manip.dataset.steps import episode_from
+from sheath_manip.dataset.steps import by_expert, episode_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
@@ -39,7 +38,7 @@ def test_each_run_of_the_expert_is_an_episode(store: EpisodeStore) -> None:
     assert cut.final_observation.time_s == whole.steps[3].observation.time_s
     assert (cut.terminated, cut.truncated) == (False, True)
     assert (first.header.expert_steps, first.header.queries) == (2, 2)
-    assert by_expert(first).all()
+    assert by_expert(first.header, first.arrays).all()
     end = episode_from(last.header, last.arrays)
     assert end.final_observation.time_s == whole.final_observation.time_s
     assert (end.terminated, end.truncated) == (True, False)
