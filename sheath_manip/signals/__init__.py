@@ -83,3 +83,5 @@ SIGNALS: dict[str, Callable[[SignalChoice, MakeEmbedding], Signal]] = {
     "near-joined": _near_joined,
     "near-precedent": _near_precedent,
 }
+PRECEDENTS = {"joined": "precedent", "near-joined": "near-precedent"}
+"""by a joined signal, the one that is joined with the support"""

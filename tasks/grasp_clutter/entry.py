@@ -14,6 +14,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.grasp_clutter.claims import CLAIMS, RECIPE
 from tasks.grasp_clutter.expert import GraspExpert
+from tasks.grasp_clutter.probes import PROBES
 from tasks.grasp_clutter.scene import EASY, MEDIUM
 from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
 from tasks.robots import stand_ins
@@ -122,4 +123,5 @@ GRASP_CLUTTER = TaskEntry(
     picture=picture,
     claims=CLAIMS,
     plan_claims={"recipe": RECIPE},
+    probes=PROBES,
 )

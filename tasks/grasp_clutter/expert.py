@@ -13,7 +13,7 @@ class GraspExpert:
     def __init__(self, environment: ComposerEnvironment) -> None:
         if not isinstance(environment.task, GraspTask):
             raise TypeError(f"GraspExpert wants a GraspTask, got {environment.task!r}")
-        self._environment = environment
+        self.environment = environment
         self._task = environment.task
         self._guide = GraspGuide(self._task.scenario.robot, CONTROL_TIMESTEP_S)
         self._scene = None
@@ -29,7 +29,7 @@ class GraspExpert:
         """(7,) as the task's action spec has it."""
         if self._scene is not self._task.scene:
             self.reset()
-        situation = self._task.situation(self._environment.physics)
+        situation = self._task.situation(self.environment.physics)
         action, command = self._guide.action(situation)
         self.intent = command.intent
         return action

@@ -191,6 +191,10 @@ class GraspTask(SheathTask):
         """(n,) of the scene's objects from upright, the target's first."""
         return np.arccos(physics.data.ptr.xmat[self.laid_bodies, 8].clip(-1.0, 1.0))
 
+    def leans(self, physics: mjcf.Physics) -> NDArray[np.float64]:
+        """(n,) those tilts, each as a share of what counts as toppled."""
+        return self.tilts_rad(physics) / self._toppling_rad
+
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
         """Command the arm, and make all physics steps at once."""
         self.drive.command(action)

@@ -113,14 +113,24 @@ class RobotDrive:
 
     def place(self, positions_rad: NDArray) -> None:
         """Put the arm at rest at (j,) `positions_rad`, its gripper open."""
+        self.place_arm(positions_rad)
+        if self._robot.closing_servo is not None:
+            self.place_gripper(0.0)
+
+    def place_arm(self, positions_rad: NDArray) -> None:
+        """Put the arm alone at rest at (j,) `positions_rad`."""
         data = self._data
         if self.command_filter is not None:
             self.command_filter.reset(positions_rad)
         data.qpos[self._qpos] = data.act[self._targets] = positions_rad
         data.qvel[self._qvel] = data.ctrl[self._servos] = 0.0
-        if self._robot.closing_servo is not None:
-            data.qpos[self._finger_qpos] = data.qvel[self._finger_qvel] = 0.0
-            data.act[self._closing_target] = data.ctrl[self._closing_servo] = 0.0
+
+    def place_gripper(self, closed_m: float) -> None:
+        """Close the gripper by that much, at rest and without pressing."""
+        data = self._data
+        data.qpos[self._finger_qpos] = closed_m / len(self._finger_qpos)
+        data.qvel[self._finger_qvel] = data.ctrl[self._closing_servo] = 0.0
+        data.act[self._closing_target] = closed_m
 
     def memory(self) -> NDArray[np.float64]:
         """(m,) of the command filter."""

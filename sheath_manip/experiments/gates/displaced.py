@@ -26,7 +26,7 @@ def displaced_states(setting: Setting, report: Report = lambda _: None) -> Mappi
 def _made(setting: Setting, report: Report) -> Mapping[str, Samples]:
     """Every so many steps of each new episode, each displacement once; labelled by the expert."""
     plan, displacements = setting.plan, setting.probes.displacements
-    environment = setting.task.make()
+    environment = setting.environment()
     expert = setting.task.expert(environment)
     seen: dict[str, list[tuple[Observation, np.ndarray, int]]] = {
         displacement.name: [] for displacement in displacements

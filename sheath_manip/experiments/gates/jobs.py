@@ -90,7 +90,7 @@ class Judge:
         at = self.setting
         path = at.agreement_path()
         if not path.exists():
-            environment = at.task.make()
+            environment = at.environment()
             spec = environment.spec
             environment.close()
 
@@ -128,7 +128,7 @@ class Score:
             report("gate")
         if not missing:
             return
-        environment = at.task.make()
+        environment = at.environment()
         spec = environment.spec
         environment.close()
         cloned, states, seen = at.cloned(spec), at.demonstrations(), evidence(at)

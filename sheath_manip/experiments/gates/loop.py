@@ -66,7 +66,7 @@ def read_loop(path: Path) -> Loop:
 
 def run_loop(setting: Setting, row: str, size: Size, report: Report) -> Loop:
     """Drive under the gate of `row` at each threshold, learn from one of them, and judge that."""
-    environment = setting.task.make()
+    environment = setting.environment()
     try:
         checkpoint, gates = _gates(setting, row, environment.spec)
         runs = [

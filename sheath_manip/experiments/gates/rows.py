@@ -8,6 +8,7 @@ from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, RandomTakeover
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies import embeddings_like
 from sheath_manip.protocols import Gate
+from sheath_manip.signals import PRECEDENTS
 from sheath_manip.support import SUPPORTS
 
 POLICY, EXPERT, RANDOM = "policy", "expert", "random-takeover"
@@ -36,8 +37,9 @@ BASELINES: dict[str, Callable[[Sequence[float]], Sequence[Gate]]] = {
 
 def rows(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
     """The most interesting first: the default, what differs from it in one part, then the rest."""
-    joined = Row("joined", replace(learning, signal="joined"), ("support", "precedent"))
-    precedent = Row("precedent", replace(learning, signal="precedent"), ("precedent",))
+    both = learning.signal if learning.signal in PRECEDENTS else "joined"
+    joined = Row("joined", replace(learning, signal=both), ("support", "precedent"))
+    precedent = Row("precedent", replace(learning, signal=PRECEDENTS[both]), ("precedent",))
     return sorted([joined, precedent, *grid(plan, learning)], key=lambda row: not row.main)
 
 
@@ -62,5 +64,6 @@ def default_name(listed: Sequence[Row], learning: LearningPlan) -> str:
 
 
 def _after(default: str, table: Iterable[str], asked: Sequence[str] | None) -> list[str]:
-    """The default, then what was asked for, or the whole table."""
-    return list(dict.fromkeys([default, *(table if asked is None else asked)]))
+    """The default, then the whole table, or what of it was asked for."""
+    listed = [name for name in table if asked is None or name in asked]
+    return list(dict.fromkeys([default, *listed]))

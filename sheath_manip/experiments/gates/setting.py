@@ -11,6 +11,7 @@ from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Probes
+from sheath_manip.protocols import Environment
 from sheath_manip.results import EXPERT, round_path
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import TaskEntry
@@ -51,6 +52,10 @@ class Setting:
     def in_loop(self) -> bool:
         """Whether this seed's gates take part in the loop."""
         return self.seed in self.plan.seeds[: self.plan.loop_seeds]
+
+    def environment(self) -> Environment:
+        """A new one, of the variant that is learned on."""
+        return self.task.make_for_run(self.learning.variant, self.seed)
 
     def store(self) -> EpisodeStore:
         """The episodes of all seeds."""

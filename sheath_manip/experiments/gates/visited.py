@@ -14,10 +14,12 @@ from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.rows import POLICY
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.gates import AlwaysPolicy
+from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator
 from sheath_manip.types import (
     Action,
+    ActionSpec,
     Episode,
     EpisodeInfo,
     GateDecision,
@@ -37,7 +39,7 @@ class Visit:
     costly: NDArray[np.bool_]
     """(T,) where what the policy did was dear"""
     differs: NDArray[np.bool_]
-    """(T,) where it did not do as the expert would"""
+    """(T,) where it did not do as the expert would, within the task's tolerance"""
     failed: bool
 
 
@@ -64,7 +66,7 @@ class Judged:
 def record_visits(setting: Setting, report: Report) -> None:
     """Let the policy drive alone on the held-out scenes that it has not driven on yet."""
     store = setting.store()
-    environment = setting.task.make()
+    environment = setting.environment()
     expert = setting.task.expert(environment)
     try:
         policy = setting.cloned(environment.spec).policy
@@ -89,17 +91,22 @@ def visits(setting: Setting) -> list[Visit]:
     """What was recorded."""
     stored = setting.store().episodes(Purpose.EVALUATION, POLICY, 0, run_seed=setting.seed)
     costly_regret = setting.probes.costly_regret
-    return [_visit(episode, costly_regret) for episode in islice(stored, setting.plan.visited)]
+    environment = setting.environment()
+    environment.close()
+    action = environment.spec.action
+    return [
+        _visit(episode, costly_regret, action) for episode in islice(stored, setting.plan.visited)
+    ]
 
 
-def _visit(episode: Episode, costly_regret: float) -> Visit:
+def _visit(episode: Episode, costly_regret: float, action: ActionSpec) -> Visit:
     steps, samples = episode.steps, samples_from([episode])
     wished = np.stack([step.wished for step in steps])
     return Visit(
         samples,
         # A proposal that was no action has no regret: the expert acted.
         np.array([-step.decision.score > costly_regret for step in steps]),
-        (wished != samples.labels).any(axis=1),
+        largest_deviations(action, wished, samples.labels) > action.tolerance,
         episode.outcome is Outcome.FAILURE,
     )
 
