@@ -54,7 +54,8 @@ class LearningPlan:
     refit_unused: bool = True
     """fit the signal anew each round also for methods whose gate looks at none; else theirs stays
     that of the demonstrations, and only xi and the false alarms, which are measured with it, notice
-    (of the platformer's CPU time it takes the largest part)"""
+    (of the platformer's CPU time it takes the largest part); through an embedding that the refitted
+    policy changes, those of such a method mean nothing"""
     methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
     seeds: tuple[int, ...] = (0, 1, 2)
     """of training runs"""

@@ -105,6 +105,8 @@ GRASP_CLUTTER = TaskEntry(
             held_out=2,
             final=2,
         ),
+        # The same with less room between the objects.
+        "hard": replace(_FULL, variant="default", final_variant="final"),
         # The best policy: many scenes, and a hand that is pushed about, which shows the ways back.
         "recipe": replace(
             _FULL,
