@@ -23,7 +23,7 @@ from sheath_manip.measuring import measures_of
 from sheath_manip.methods import METHODS, Method, RoundContext, method_named
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
 from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Environment, Expert, Listener
+from sheath_manip.protocols import Environment, Expert, FollowsRounds, Gate, Listener
 from sheath_manip.recording import AskedOnce, Recording
 from sheath_manip.results import (
     EXPERT,
@@ -69,10 +69,14 @@ class LearningRun:
         listeners: Sequence[Listener] = (),
         report: Report = lambda _: None,
         person: Callable[[Expert], Person] | None = None,
+        supervised: Callable[[Gate], Gate] | None = None,
+        demonstrated: Callable[[Gate], Gate] | None = None,
     ) -> None:
         """Make the environment of the run.
 
         `person` makes the one who may take over; where there is none, one who watches well.
+        `supervised` puts another gate around that of each learning episode, and `demonstrated`
+        around that of each expert episode before: where the expert is a person at the controls.
         """
         self.task = task
         self.plan = plan
@@ -82,6 +86,8 @@ class LearningRun:
         self.listeners = listeners
         self.report = report
         self.environment = task.make_for_run(plan.variant, run_seed)
+        self._supervised = supervised or _as_it_is
+        self._demonstrated = demonstrated or _as_it_is
         expert = AskedOnce(task.expert(self.environment))
         action = self.environment.spec.action
         self.person = attentive_person(expert, action) if person is None else person(expert)
@@ -122,9 +128,12 @@ class LearningRun:
         method = method_named(method_name)
         done = self._finished(method.name)
         if done is not None:
+            for result in done:
+                self._tell(result)
             return done
         common = self.prepare()
         results = [read_result(self._path(EXPERT, 0, "json"))]
+        self._tell(results[0])
         labelled = [common.demonstrations]
         first, calibration = common.checkpoint, common.calibration
         checkpoint = self.checkpoints.begun(method, first, common.demonstrations, calibration)
@@ -146,8 +155,14 @@ class LearningRun:
                 )
                 write_result(path, measured)
             results.append(read_result(path))
+            self._tell(results[-1])
             checkpoint = refitted
         return results
+
+    def _tell(self, result: RoundResult) -> None:
+        for listener in self.listeners:
+            if isinstance(listener, FollowsRounds):
+                listener.on_round(result)
 
     def _fitted(self, checkpoint: Checkpoint, states: Samples) -> Checkpoint:
         self.report(f"{checkpoint.method} fit {checkpoint.round}")
@@ -165,7 +180,8 @@ class LearningRun:
         )
 
     def _expert_episodes(self, purpose: Purpose, count: int) -> list[Episode]:
-        return self.recording.episodes(purpose, EXPERT, 0, count, AlwaysExpert)
+        gate = partial(_around, self._demonstrated, AlwaysExpert)
+        return self.recording.episodes(purpose, EXPERT, 0, count, gate)
 
     def _learning_episodes(
         self, method: Method, number: int, checkpoint: Checkpoint
@@ -182,7 +198,7 @@ class LearningRun:
             method.name,
             number,
             self.plan.episodes,
-            partial(method.gate, context),
+            partial(_around, self._supervised, partial(method.gate, context)),
             checkpoint.policy,
             self.checkpoints.digest(checkpoint),
         )
@@ -264,3 +280,11 @@ class LearningRun:
 
     def _path(self, method: str, number: int, suffix: str) -> Path:
         return round_path(self.directory, self.run_seed, method, number, suffix)
+
+
+def _as_it_is(gate: Gate) -> Gate:
+    return gate
+
+
+def _around(supervised: Callable[[Gate], Gate], make: Callable[[], Gate]) -> Gate:
+    return supervised(make())

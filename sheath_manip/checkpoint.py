@@ -23,7 +23,9 @@ from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownName
 from sheath_manip.policies import make_policy
 from sheath_manip.protocols import Arrays, Policy, Signal
 from sheath_manip.signals import SignalChoice, make_signal
-from sheath_manip.types import Observation, TaskSpec
+from sheath_manip.signals.joined import JoinedSignal
+from sheath_manip.signals.precedent import PrecedentSignal
+from sheath_manip.types import Observation, Reason, TaskSpec
 
 FORMAT = "sheath-checkpoint"
 SCHEMA = 2
@@ -58,6 +60,15 @@ class Checkpoint:
         """The signal's score of one observation; NaN where it has none."""
         images = {camera: image[None] for camera, image in observation.images.items()}
         return float(self.signal.scores(images, observation.features[None])[0])
+
+    def reason(self, observation: Observation) -> Reason:
+        """What is to blame for a score below the threshold: the state, or the proposed action."""
+        images = {camera: image[None] for camera, image in observation.images.items()}
+        if isinstance(self.signal, JoinedSignal):
+            parts = self.signal.parts(images, observation.features[None])
+            least = min(parts, key=lambda name: float(parts[name][0]))
+            return Reason.OUTSIDE if least == "support" else Reason.RISK
+        return Reason.RISK if isinstance(self.signal, PrecedentSignal) else Reason.OUTSIDE
 
     def scores(self, samples: Samples) -> NDArray[np.float64]:
         """(n,) the signal's scores of `samples`."""

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Agreement, Policy, Signal
+from sheath_manip.protocols import Agreement, Policy, Refits, Signal
 from sheath_manip.signals import make_signal, planned_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
@@ -82,3 +83,28 @@ def calibrated(
         release = or_nothing_inside(lambda: held_out_threshold(held_out, plan.release_rate))
         margin = max(0.0, release - threshold)
     return replace(checkpoint, threshold=threshold, release_margin=margin)
+
+
+def with_nu(
+    checkpoint: Checkpoint, states: Samples, calibration: Sequence[Samples], nu: float
+) -> Checkpoint:
+    """`checkpoint` with its support fitted anew to `states`, of which `nu` may be outside.
+
+    Policy and embedding stay; the threshold is found again for the same rate of false alarms.
+    Raises ParameterError where the support has no nu, or cannot be fitted to states alone.
+    """
+    choice = checkpoint.signal_choice
+    if "nu" not in choice.hyperparameters:
+        raise ParameterError(
+            f"the support {choice.support} has no nu; wanted one such as one-class-svm"
+        )
+    choice = replace(choice, hyperparameters={**choice.hyperparameters, "nu": nu})
+    signal = make_signal(choice).load(checkpoint.policy, checkpoint.signal.arrays())
+    if not isinstance(signal, Refits):
+        raise ParameterError(f"the signal {choice.signal} has no support to be fitted anew")
+    signal.refit(states)
+    signal.calibrate(calibration)
+    fitted = replace(checkpoint, signal_choice=choice, signal=signal)
+    held_out = [fitted.scores(episode) for episode in calibration]
+    rate = checkpoint.false_alarm_rate
+    return replace(fitted, threshold=or_nothing_inside(lambda: held_out_threshold(held_out, rate)))

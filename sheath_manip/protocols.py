@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.results import RoundResult
 from sheath_manip.types import (
     Action,
     Episode,
@@ -223,6 +224,15 @@ class Signal(Protocol):
         ...
 
 
+@runtime_checkable
+class Refits(Protocol):
+    """A signal with something that can be fitted again on policy and embedding as they are."""
+
+    def refit(self, states: Samples) -> Self:
+        """Fit it to the training `states`; raises ParameterError where that cannot be done."""
+        ...
+
+
 class Gate(Protocol):
     """Decides at each step who acts and whether the expert is asked for a label."""
 
@@ -232,6 +242,15 @@ class Gate(Protocol):
 
     def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
         """Decide for one step; `proposed` is None where the policy had nothing valid to say."""
+        ...
+
+
+@runtime_checkable
+class FollowsRounds(Protocol):
+    """A listener that wants to know what each round of learning came to."""
+
+    def on_round(self, result: RoundResult) -> None:
+        """Called after each round, and of those that were done before a run was resumed."""
         ...
 
 

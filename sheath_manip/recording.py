@@ -1,10 +1,12 @@
 """The episodes of one training run: read from the store, or run and recorded now."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.discarding import until_kept
 from sheath_manip.evaluation import Report
 from sheath_manip.gates import redrawing
 from sheath_manip.protocols import (
@@ -17,7 +19,7 @@ from sheath_manip.protocols import (
     TakesOver,
 )
 from sheath_manip.rollout import rollout
-from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.seeding import scene_seed
 from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Purpose
 
 
@@ -93,15 +95,16 @@ class Recording:
         if self.store.has(info):
             episode = self.store.read(episode_name(info))
         else:
-            episode = rollout(
+            attempt = partial(
+                rollout,
                 self.environment,
                 info,
                 redrawing(gate(), policy),
-                rng=generator("gate", info.method, info.run_seed, info.round, info.index),
                 policy=policy,
                 expert=self.expert,
                 listeners=self.listeners,
             )
+            episode = until_kept(attempt, info, self.report)
         self.report(f"{info.method} round {info.round}")
         return episode
 

@@ -30,6 +30,8 @@ class Reason(StrEnum):
     """a random draw decided"""
     INSIDE = "inside support"
     OUTSIDE = "outside support"
+    RISK = "in-support risk"
+    """the state is familiar, but not what the policy would do in it"""
     HOLD = "held by hysteresis"
     """inside again, but not yet far or long enough to hand back"""
     PERSON = "person"

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.hold import Hold
+from controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.probes import Displacement, Probes
 from sheath_manip.task import TaskEntry
@@ -117,6 +118,16 @@ def hold(environment: Corridor) -> Hold:
     return Hold(lambda: CHOICES[1])
 
 
+def corridor_action(pressed: frozenset[str]) -> Action:
+    return CHOICES[1 + ("right" in pressed) - ("left" in pressed)]
+
+
+def hands(environment: Corridor) -> ButtonHands:
+    del environment
+    buttons = {"left": Button("KeyJ", "left", stick=-1), "right": Button("KeyL", "right", stick=1)}
+    return ButtonHands(buttons, corridor_action)
+
+
 def make_long() -> Corridor:
     return Corridor(steps=24)
 
@@ -157,6 +168,7 @@ CORRIDOR = TaskEntry(
     variants={"default": Corridor, "final": make_long},
     expert=MiddleKeeper,
     plans={"full": PLAN, "quick": PLAN},
+    hands=hands,
     stand_ins={"hold": hold},
     probes=PROBES,
 )

@@ -1,9 +1,12 @@
-"""Take a picture of the dashboard at work on the driving task, for the README.
+"""Take a picture of every tab of the live page and of the replay page, for each task.
 
-    python -m tools.screenshot_dashboard docs/dashboard.png --checkpoint FILE.npz --store DIRECTORY
+    python -m tools.screenshot_dashboard DIRECTORY [--tasks driving platformer] [--expert]
+        [--checkpoint FILE --store DIRECTORY]
 
 A policy drives under its gate until the expert has taken over; there the run is held, and headless
-Chromium takes the picture. Without a checkpoint one is trained first, in about a minute.
+Chromium takes the pictures; the same episode, recorded, is what the replay page shows. Without a
+checkpoint one is trained first by the task's plan `quick`, in a minute or more; with --expert there
+is no policy, and the expert is seen.
 """
 
 import argparse
@@ -11,9 +14,9 @@ import io
 import sys
 import tempfile
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 
@@ -22,12 +25,16 @@ from playwright.sync_api import Page
 
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, load_checkpoint
-from sheath_manip.dashboard import Dashboard
-from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.cli.adjusting import adjusted
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.dashboard import Dashboard, Replay
+from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.samples import Samples
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.gates.support import SupportGate
+from sheath_manip.films.making import FilmMaker
+from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.protocols import Environment
-from sheath_manip.results import EXPERT
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.task import TaskEntry
@@ -36,19 +43,23 @@ from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from tasks.table import TASKS
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 
-MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 90, 3, 4
+MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4
 """of the episode in the picture, and of the intervention under way: enough to be seen"""
-
-POSE_TIMEOUT_S = 600.0
+LIVE_TABS = ("Run", "Support", "Learning")
+REPLAY_TABS = ("Episode", "Episodes", "Support", "Marks")
+POSE_TIMEOUT_S = 1800.0
 """training included"""
+SETTLED_MS = 2500
+"""for the 3-D scene to be drawn in software"""
 
 
 class Pose:
     """A listener that holds the run at the first step worth a picture."""
 
-    def __init__(self) -> None:
+    def __init__(self, with_policy: bool) -> None:
         self.struck = threading.Event()
         self.taken = threading.Event()
+        self._with_policy = with_policy
         self._steps = self._interventions = self._turn_steps = 0
 
     def on_fit(self, states: Samples) -> None:
@@ -65,10 +76,12 @@ class Pose:
         self._steps += 1
         self._turn_steps = self._turn_steps + 1 if step.decision.actor is Actor.EXPERT else 0
         self._interventions += self._turn_steps == 1
+        wanted = MIN_INTERVENTIONS if self._with_policy else 1
         if (
             self._steps >= MIN_STEPS
-            and self._interventions >= MIN_INTERVENTIONS
+            and self._interventions >= wanted
             and self._turn_steps >= MIN_TURN_STEPS
+            and not self.taken.is_set()
         ):
             self.struck.set()
             self.taken.wait()
@@ -77,122 +90,162 @@ class Pose:
         """The next one, then."""
 
 
-def trained(task: TaskEntry, dashboard: Dashboard) -> Checkpoint:
-    """A policy and its gate from a few demonstrations, which the dashboard follows."""
-    plan = replace(task.plans["quick"], demonstrations=3, calibration=3, check=1, held_out=1)
-    with tempfile.TemporaryDirectory() as folder:
-        runs = Path(folder)
-        store = EpisodeStore.create(runs / "store")
-        learning = LearningRun(task, plan, 0, runs, store, (dashboard,))
-        try:
-            return learning.prepare().checkpoint
-        finally:
-            learning.close()
+@dataclass(frozen=True)
+class Subject:
+    """What is photographed."""
+
+    task: TaskEntry
+    checkpoint: Checkpoint | None
+    """None: the expert alone"""
+    store: Path | None
+    """of the episodes that the checkpoint was fitted to"""
 
 
-def training_episodes(store: EpisodeStore, checkpoint: Checkpoint) -> Iterable[Episode]:
-    """What `checkpoint` was fitted to, without images."""
-    seed = checkpoint.run_seed
-    yield from store.episodes(Purpose.DEMONSTRATION, EXPERT, run_seed=seed, need_images=False)
-    for number in range(1, checkpoint.round + 1):
-        yield from store.episodes(
-            Purpose.LEARNING, checkpoint.method, number, seed, need_images=False
-        )
-
-
-def drive(
-    task: TaskEntry,
-    dashboard: Dashboard,
-    pose: Pose,
-    checkpoint_path: Path | None,
-    store_path: Path | None,
-    first_scene: int,
-) -> None:
-    """Run episodes until the picture is taken."""
-    environment = task.make()
+def trained(task: TaskEntry, folder: Path) -> Subject:
+    """A policy and its gate from a few demonstrations."""
+    plan = replace(task.plans["quick"], check=1, held_out=1, final=1)
+    store = EpisodeStore.create(folder / "training")
+    learning = LearningRun(task, plan, 0, folder, store)
     try:
-        if checkpoint_path is None:
-            checkpoint = trained(task, dashboard)
-        else:
-            checkpoint = load_checkpoint(checkpoint_path, environment.spec)
-            if store_path is not None:
-                episodes = training_episodes(EpisodeStore(store_path), checkpoint)
-                dashboard.on_fit(samples_from(episodes))
-        for index in count():
-            if pose.taken.is_set():
-                break
-            info = EpisodeInfo(
-                task=task.name,
-                seed=scene_seed(Purpose.LEARNING, "screenshot", first_scene + index),
-                purpose=Purpose.LEARNING,
-                control_rate_hz=environment.spec.control_rate_hz,
-                method="sheath",
-                round=checkpoint.round + 1,
-                index=index,
-                run_seed=checkpoint.run_seed,
-            )
-            rollout(
-                environment,
-                info,
-                SupportGate(checkpoint.score, checkpoint.threshold),
-                rng=generator("none"),
-                policy=checkpoint.policy,
-                expert=task.expert(environment),
-                listeners=(dashboard, pose),
-            )
+        return Subject(task, learning.start().checkpoint, store.path)
     finally:
-        environment.close()
+        learning.close()
 
 
-def photograph(page: Page, address: str, pose: Pose, run: Future[None]) -> bytes:
-    """A PNG of the page once it shows the pose; raises what ended `run` before that."""
-    open_dashboard(page, address)
-    wait_until(lambda: pose.struck.is_set() or run.done(), "intervention", page, POSE_TIMEOUT_S)
-    if run.done():
-        run.result()
+def subject_of(
+    task: TaskEntry, options: argparse.Namespace, environment: Environment, folder: Path
+) -> Subject:
+    """Read, trained, or the expert."""
+    if options.expert:
+        return Subject(task, None, None)
+    if options.checkpoint is None:
+        return trained(task, folder)
+    return Subject(task, load_checkpoint(options.checkpoint, environment.spec), options.store)
+
+
+def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
+    """Write a picture of each of the `tabs` that the page has."""
     page.wait_for_selector("canvas")
-    page.get_by_text("Expert acts").wait_for()
-    page.wait_for_selector(".u-over")
     # A notice that only a browser without a graphics card gives.
-    page.get_by_role("alert").get_by_role("button").click()
-    # Support picture and camera image; then a moment for the 3-D scene to be drawn.
-    page.wait_for_function("document.querySelectorAll('img[src^=\"blob:\"]').length >= 2")
-    page.wait_for_timeout(5000)
-    return page.screenshot(timeout=1000 * TIMEOUT_S)
+    notice = page.get_by_role("alert").get_by_role("button")
+    if notice.count():
+        notice.first.click()
+    for tab in tabs:
+        page.get_by_role("tab", name=tab, exact=True).click()
+        page.wait_for_timeout(SETTLED_MS)
+        png = page.screenshot(timeout=1000 * TIMEOUT_S)
+        # 256 colours are enough for what is drawn, at a third of the size.
+        image = Image.open(io.BytesIO(png)).convert("RGB")
+        method = Image.Quantize.FASTOCTREE
+        path = out / f"{name}-{tab.lower()}.png"
+        image.quantize(256, method=method).save(path, optimize=True)
+        print(path)
+
+
+def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> None:
+    """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
+    pose = Pose(with_policy=not options.expert)
+    shown: Future[str] = Future()
+
+    def drive() -> None:
+        # All in one thread, because a GL context belongs to the one that made it.
+        environment = task.make()
+        try:
+            subject = subject_of(task, options, environment, folder)
+            fitted = subject.checkpoint
+            adjusting = None if fitted is None else adjusted(fitted, subject.store)
+            parts = () if adjusting is None else adjusting.parts
+            with Dashboard(environment.spec, port=0, gate=parts) as dashboard:
+                shown.set_result(dashboard.address)
+                if adjusting is not None and adjusting.states is not None:
+                    dashboard.on_fit(adjusting.states)
+                recorder = Recorder(EpisodeStore.create(folder / "recorded"))
+                for index in count():
+                    if pose.taken.is_set():
+                        break
+                    rollout(
+                        environment,
+                        EpisodeInfo(
+                            task=task.name,
+                            seed=scene_seed(Purpose.LEARNING, "screenshot", options.scene + index),
+                            purpose=Purpose.LEARNING,
+                            control_rate_hz=environment.spec.control_rate_hz,
+                            method="expert" if fitted is None else "sheath",
+                            round=0 if fitted is None else fitted.round + 1,
+                            index=index,
+                        ),
+                        AlwaysExpert() if adjusting is None else adjusting.gate,
+                        rng=generator("none"),
+                        policy=None if fitted is None else fitted.policy,
+                        expert=task.expert(environment),
+                        listeners=(dashboard, recorder, pose, Pacing(4.0)),
+                    )
+        finally:
+            environment.close()
+
+    with ThreadPoolExecutor(1) as pool:
+        run = pool.submit(drive)
+        try:
+            wait_until(lambda: shown.done() or run.done(), "page", page, POSE_TIMEOUT_S)
+            if run.done():
+                run.result()
+            open_dashboard(page, shown.result())
+            wait_until(
+                lambda: pose.struck.is_set() or run.done(), "intervention", page, POSE_TIMEOUT_S
+            )
+            photograph(page, LIVE_TABS, task.name, options.out)
+        finally:
+            pose.taken.set()
+        run.result()
+
+
+def recorded(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> None:
+    """The replay page, at the middle of the last intervention."""
+    shelf = Shelf(EpisodeStore(folder / "recorded"))
+    shown: Future[Replay] = Future()
+
+    def play() -> None:
+        maker = FilmMaker(task, "default", shelf.read)
+        with Replay(maker.spec, shelf, maker.film, maker.exported, port=0) as replay:
+            shown.set_result(replay)
+            replay.run(len(shelf) - 1)
+        maker.close()
+
+    with ThreadPoolExecutor(1) as pool:
+        run = pool.submit(play)
+        replay = shown.result()
+        try:
+            open_dashboard(page, replay.address)
+            wait_until(lambda: replay.player.now.film is not None, "film", page)
+            film = replay.player.now.film
+            assert film is not None
+            turns = film.trace.so_far().turns or [(0, len(film))]
+            replay.player.look_at(sum(turns[-1]) // 2)
+            photograph(page, REPLAY_TABS, f"{task.name}-replay", options.out)
+        finally:
+            replay.player.close()
+        run.result()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("out", type=Path, help="the PNG to write")
-    parser.add_argument("--checkpoint", type=Path, help="of the policy and its gate")
+    parser.add_argument("out", type=Path, help="directory for the PNGs")
+    parser.add_argument("--tasks", nargs="+", choices=sorted(TASKS), default=sorted(TASKS))
+    parser.add_argument("--expert", action="store_true", help="watch the expert, without a policy")
+    parser.add_argument("--checkpoint", type=Path, help="of the policy and its gate, for one task")
     parser.add_argument("--store", type=Path, help="of the episodes that it was fitted to")
     parser.add_argument("--scene", type=int, default=0, help="to begin with, from 0")
     options = parser.parse_args(arguments)
-    task = TASKS["driving"]
-    environment = task.make()
-    environment.close()
-    pose = Pose()
-    with (
-        Dashboard(environment.spec, port=0) as dashboard,
-        ThreadPoolExecutor(1) as pool,
-        single_threaded(),
-        chromium_page() as page,
-    ):
-        # All in one thread, because a GL context belongs to the one that made it.
-        run = pool.submit(
-            drive, task, dashboard, pose, options.checkpoint, options.store, options.scene
-        )
-        try:
-            png = photograph(page, dashboard.address, pose, run)
-        finally:
-            pose.taken.set()
-    # 256 colours are enough for what is drawn, at a third of the size; a rare one is kept, too.
-    image = Image.open(io.BytesIO(png)).convert("RGB")
-    image = image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    image.save(options.out, optimize=True)
-    print(f"{options.out}: {image.width}x{image.height}, {options.out.stat().st_size / 1e3:.0f} kB")
+    options.out.mkdir(parents=True, exist_ok=True)
+    for name in options.tasks:
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            single_threaded(),
+            chromium_page() as page,
+        ):
+            live(page, TASKS[name], options, Path(folder))
+            recorded(page, TASKS[name], options, Path(folder))
     return 0
 
 

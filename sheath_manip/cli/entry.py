@@ -13,10 +13,12 @@ from sheath_manip.cli.collect import Collect
 from sheath_manip.cli.data import Data
 from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.experiment import Experiment
+from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
 from sheath_manip.cli.replay import Replay
 from sheath_manip.cli.run import Run
 from sheath_manip.cli.session import Session, Tasks, Verb
+from sheath_manip.cli.teleop import Teleop
 from sheath_manip.cli.train import Train
 from sheath_manip.cli.watch import Watch
 from sheath_manip.exceptions import SheathError
@@ -25,7 +27,9 @@ OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
 OF_A_TASK: dict[str, type[Verb]] = {
     "collect": Collect,
+    "teleop": Teleop,
     "train": Train,
+    "learn": Learn,
     "run": Run,
     "evaluate": Evaluate,
     "experiment": Experiment,

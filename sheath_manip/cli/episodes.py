@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 from rich.table import Table
 from rich.text import Text
@@ -10,6 +11,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.discarding import until_kept
 from sheath_manip.gates import redrawing
 from sheath_manip.metrics import (
     EpisodeRecord,
@@ -20,7 +22,6 @@ from sheath_manip.metrics import (
 )
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
 from sheath_manip.rollout import rollout
-from sheath_manip.seeding import generator
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import EpisodeInfo
 
@@ -52,15 +53,16 @@ def run_all(
         if store and store.has(info):
             episode = store.read(episode_name(info), need_images=False)
         else:
-            episode = rollout(
+            attempt = partial(
+                rollout,
                 environment,
                 info,
                 redrawing(gate, policy),
-                rng=generator("gate", info.method, info.run_seed, info.round, info.index),
                 policy=policy,
                 expert=expert,
                 listeners=(*recorders, *listeners),
             )
+            episode = until_kept(attempt, info, report)
         report(str(episode.outcome))
         yield record_of(episode)
 

@@ -6,12 +6,11 @@ from pathlib import Path
 
 from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
-from sheath_manip.cli.options import Address, TaskName, planned
+from sheath_manip.cli.options import Address, TaskName, planned, spec_of
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
-from sheath_manip.types import TaskSpec
 
 WORKERS = 2
 """by default: each holds its training seed's images in RAM"""
@@ -74,7 +73,7 @@ class Experiment:
 
         for method in plan.methods:
             method_named(method)
-        with self.address.listeners(self.dashboard, _spec(task), session) as listeners:
+        with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
             if self.fresh:
                 move_aside(runs, session)
             run_experiment(
@@ -134,9 +133,3 @@ class Experiment:
                 )
             return 0
         return min(WORKERS, os.cpu_count() or 1) if self.workers is None else self.workers
-
-
-def _spec(task: TaskEntry) -> TaskSpec:
-    environment = task.make()
-    environment.close()
-    return environment.spec

@@ -1,5 +1,6 @@
 """Options that several verbs share."""
 
+import ipaddress
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -7,8 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
-from rich.panel import Panel
-from rich.text import Text
 
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
@@ -17,7 +16,15 @@ from sheath_manip.task import TaskEntry
 from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
+    from sheath_manip.cockpit import Cockpit
     from sheath_manip.dashboard import Dashboard
+    from sheath_manip.dashboard.part import Maker
+
+NOT_LOOPBACK = (
+    "Other machines can reach this page. They need the token of the address below, which travels "
+    "unencrypted: put a proxy that speaks TLS in front, or forward the port over ssh "
+    "(docs/security.md)."
+)
 
 TaskName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
 StorePath = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STORE")]
@@ -30,20 +37,37 @@ class Address:
     """Where the dashboard listens."""
 
     host: str = "127.0.0.1"
-    """address to listen on; other machines reach the page only where it is not the loopback's"""
+    """address to listen on; other machines reach the page only where it is not the loopback's, and
+    then should do so through TLS"""
     port: int = 8080
     """0 takes any free one"""
 
     @contextmanager
-    def dashboard(self, spec: TaskSpec, session: Session) -> Iterator["Dashboard"]:
-        """The page, its address printed; taken down at the end. Raises SetupError (port taken)."""
+    def dashboard(
+        self,
+        spec: TaskSpec,
+        session: Session,
+        cockpit: "Cockpit | None" = None,
+        gate: "tuple[Maker, ...]" = (),
+    ) -> Iterator["Dashboard"]:
+        """The page, its address printed; taken down at the end. Raises SetupError (port taken).
+
+        `cockpit` is where a person's orders go, `gate` are the sliders of an adjustable gate.
+        """
         # Only now: it takes seconds, and most calls want no page.
         from sheath_manip.dashboard import Dashboard
 
-        with Dashboard(spec, host=self.host, port=self.port) as dashboard:
-            address = Text(dashboard.address, no_wrap=True, style="bold cyan")
-            session.out.print(Panel.fit(address, title="open in a browser", padding=(1, 2)))
+        self.warn(session)
+        with Dashboard(
+            spec, host=self.host, port=self.port, cockpit=cockpit, gate=gate
+        ) as dashboard:
+            session.announce(dashboard.address)
             yield dashboard
+
+    def warn(self, session: Session) -> None:
+        """Say what it means where other machines can reach the page."""
+        if not is_loopback(self.host):
+            session.err.print(f"[bold yellow]{NOT_LOOPBACK}")
 
     @contextmanager
     def listeners(
@@ -66,3 +90,18 @@ def planned(task: TaskEntry, size: str, **asked: Any) -> LearningPlan:
         raise UnknownNameError(f"plan of {task.name}", size, task.plans)
     given = {name: value for name, value in asked.items() if value is not None}
     return replace(task.plans[size], **given)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches `host`."""
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def spec_of(task: TaskEntry) -> TaskSpec:
+    """What the page must know before there is a run."""
+    environment = task.make()
+    environment.close()
+    return environment.spec

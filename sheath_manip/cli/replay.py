@@ -1,53 +1,107 @@
-"""`sheath replay`: a recorded episode in the browser."""
+"""`sheath replay`: recorded episodes in the browser, or one of them as a file."""
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.text import Text
 
 from sheath_manip.cli.options import Address, StorePath
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.task import TaskEntry
+
+if TYPE_CHECKING:
+    from sheath_manip.dashboard.shelf import Shelf
+    from sheath_manip.films.making import FilmMaker
+
+KINDS = (".mp4", ".html")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Replay:
-    """Show a recorded episode in the browser, again and again until Ctrl-C."""
+    """Look at recorded episodes in the browser until Ctrl-C: scrub, jump, mark, take along."""
 
     store: StorePath
     """directory of the episodes"""
     episode: str = "0"
-    """name, or place in `sheath data list`, from 0; -1 is the last"""
+    """to begin with: name, or place in `sheath data list`, from 0; -1 is the last"""
     speed: float = 1.0
     """1 is the episode's control rate, 2 twice as fast"""
     variant: str = "default"
     """of the task that it was recorded in, such as the `variant` of an experiment's plan"""
     once: bool = False
     """end after the first time"""
+    export: Path | None = None
+    """write the episode to this .mp4 or .html file, and show no page"""
     address: Address = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
-        """Replay it."""
+        """Replay, or export."""
         if not self.speed > 0:
             raise ParameterError(f"speed is {self.speed}; wanted more than 0, such as 1")
+        if self.export is not None and self.export.suffix not in KINDS:
+            raise ParameterError(
+                f"--export {self.export}; wanted a name that ends in .mp4 or .html"
+            )
         # Only now: other verbs need no store and no page.
-        from sheath_manip.cli.episodes import opened
+        from sheath_manip.dashboard.shelf import Shelf
         from sheath_manip.dataset.show import chosen
         from sheath_manip.dataset.store import EpisodeStore
 
         store = EpisodeStore(self.store)
-        episode = store.read(chosen(store, self.episode))
-        task = session.task(episode.info.task)
-        from sheath_manip.dashboard import replay
-
-        with (
-            opened(task, self.variant, episode.info.run_seed) as environment,
-            self.address.dashboard(environment.spec, session) as page,
-            suppress(KeyboardInterrupt),
-        ):
-            while True:
-                session.out.print(Text(f"{self.store}: {len(episode)} steps, {episode.outcome}"))
-                replay(page, environment, episode, self.speed)
-                if self.once:
-                    break
+        place = store.names().index(chosen(store, self.episode))
+        shelf = Shelf(store)
+        task = session.task(shelf.summaries[place].info.task)
+        with self._maker(task, shelf) as maker:
+            if self.export is not None:
+                self._export(maker, place, session)
+            else:
+                self._show(maker, shelf, place, session)
         return 0
+
+    @contextmanager
+    def _maker(self, task: TaskEntry, shelf: "Shelf") -> Iterator["FilmMaker"]:
+        from sheath_manip.films.making import FilmMaker
+
+        maker = FilmMaker(task, self.variant, shelf.read)
+        try:
+            yield maker
+        finally:
+            maker.close()
+
+    def _export(self, maker: "FilmMaker", place: int, session: Session) -> None:
+        assert self.export is not None
+        if self.export.exists():
+            raise ParameterError(f"{self.export} exists, and it is kept; give another name")
+        with session.err.status("drawing"):
+            _, content = maker.exported(place, self.export.suffix.removeprefix("."))
+        try:
+            self.export.write_bytes(content)
+        except OSError as error:
+            raise ParameterError(f"cannot write {self.export} ({error})") from error
+        session.out.print(Text(f"{self.export}: {len(content) / 1e6:.2f} MB"))
+
+    def _show(self, maker: "FilmMaker", shelf: "Shelf", place: int, session: Session) -> None:
+        from sheath_manip.dashboard import Replay as ReplayPage
+
+        # Before the page is there, so that what cannot be shown is told on the terminal.
+        film = maker.film(place)
+        self.address.warn(session)
+        page = ReplayPage(
+            maker.spec,
+            shelf,
+            maker.film,
+            maker.exported,
+            host=self.address.host,
+            port=self.address.port,
+            speed=self.speed,
+            again=not self.once,
+        )
+        with page, suppress(KeyboardInterrupt):
+            session.announce(page.address)
+            steps = f"{len(shelf)} episodes, this one of {len(film)} steps"
+            session.out.print(Text(f"{self.store}: {steps}, {film.outcome}"))
+            page.run(place)

@@ -1,12 +1,17 @@
 """`sheath run`: a policy under its gate, with an expert or a stand-in to take over."""
 
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.operated import PERSON, Operating
+from sheath_manip.cli.options import Address, TaskName, spec_of
 from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Gate, Listener
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import SCRIPTED
+from sheath_manip.task import SCRIPTED, TaskEntry
 from sheath_manip.types import EpisodeInfo, Purpose
 
 
@@ -27,17 +32,43 @@ class Run:
     store: Path | None = None
     """directory to record into; nothing is recorded without it"""
     expert: str = SCRIPTED
-    """who takes over: the scripted one, or a stand-in that the task has, such as hold or back-up"""
+    """who takes over: the scripted one, a stand-in that the task has, such as hold or back-up, or a
+    person, who is asked on the page and may take over there at any time"""
     policy_alone: bool = False
     """without gate and expert"""
     dashboard: bool = False
     """show the run in the browser"""
+    operating: Operating = field(default_factory=Operating)
     address: Address = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""
         at_least_one("episodes", self.episodes)
         task = session.task(self.task)
+        if self.expert != PERSON:
+            self.operating.require_default()
+            with self._page(task, session) as listeners:
+                return self._run(task, session, listeners, lambda gate: gate)
+        if self.policy_alone:
+            raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
+        with self.operating.crew(task, self.address, session) as crew:
+            return self._run(crew.operated(), session, crew.listeners, crew.gate)
+
+    @contextmanager
+    def _page(self, task: TaskEntry, session: Session) -> Iterator[Sequence[Listener]]:
+        if not self.dashboard:
+            yield ()
+            return
+        with self.address.dashboard(spec_of(task), session) as page:
+            yield (page,)
+
+    def _run(
+        self,
+        task: TaskEntry,
+        session: Session,
+        listeners: Sequence[Listener],
+        supervised: Callable[[Gate], Gate],
+    ) -> int:
         # Only now: torch takes seconds to import.
         from sheath_manip.checkpoint import digest, load_checkpoint
         from sheath_manip.cli.episodes import opened, print_episodes, print_figures, run_all
@@ -48,8 +79,10 @@ class Run:
         with opened(task, self.variant) as environment:
             spec = environment.spec
             checkpoint = load_checkpoint(self.checkpoint, spec)
-            purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
-            expert = None if self.policy_alone else task.make_expert(environment, self.expert)
+            alone = self.policy_alone
+            purpose = Purpose.EVALUATION if alone else Purpose.LEARNING
+            name = SCRIPTED if self.expert == PERSON else self.expert
+            expert = None if alone else task.make_expert(environment, name)
             stand_in = "" if expert is None or self.expert == SCRIPTED else self.expert
             infos = [
                 EpisodeInfo(
@@ -67,22 +100,21 @@ class Run:
                 )
                 for index in range(self.episodes)
             ]
-            alone = self.policy_alone
-            with (
-                self.address.listeners(self.dashboard, spec, session) as listeners,
-                session.progress("episodes", self.episodes) as report,
-            ):
+            gate = (
+                AlwaysPolicy()
+                if alone
+                else SupportGate(
+                    checkpoint.score,
+                    checkpoint.threshold,
+                    release_margin=checkpoint.release_margin,
+                )
+            )
+            with session.progress("episodes", self.episodes) as report:
                 records = list(
                     run_all(
                         environment,
                         infos,
-                        AlwaysPolicy()
-                        if alone
-                        else SupportGate(
-                            checkpoint.score,
-                            checkpoint.threshold,
-                            release_margin=checkpoint.release_margin,
-                        ),
+                        supervised(gate),
                         policy=checkpoint.policy,
                         expert=expert,
                         store=EpisodeStore.create(self.store) if self.store else None,

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from rich.console import Console
+from rich.panel import Panel
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.text import Text
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.task import TaskEntry
@@ -37,6 +39,11 @@ class Session:
         if name not in tasks:
             raise UnknownNameError("task", name, tasks)
         return tasks[name]
+
+    def announce(self, address: str) -> None:
+        """Print the address of a page, token included."""
+        text = Text(address, no_wrap=True, style="bold cyan")
+        self.out.print(Panel.fit(text, title="open in a browser", padding=(1, 2)))
 
     @contextmanager
     def progress(self, what: str, total: int) -> Iterator[Callable[[str], None]]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from sheath_manip.cli.options import Address, TaskName
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.cockpit import Cockpit
 from sheath_manip.seeding import scene_seed
 from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 
@@ -24,6 +25,8 @@ class Watch:
     """name of the task, as `sheath tasks` lists it"""
     checkpoint: Path | None = None
     """file of the policy and its gate; the expert drives where none is given"""
+    store: Path | None = None
+    """directory of the episodes that it was trained on: shows its support, and lets ν be changed"""
     episodes: int | None = None
     """end after so many"""
     seed: int = 0
@@ -38,24 +41,30 @@ class Watch:
         """Run episodes for ever."""
         if self.episodes is not None:
             at_least_one("episodes", self.episodes)
-        pacing = Pacing(self.speed)
+        cockpit = Cockpit(paced=True)
+        pacing = Pacing(self.speed, lambda: cockpit.speed)
         task = session.task(self.task)
         # Only now: torch takes seconds to import.
         from sheath_manip.checkpoint import load_checkpoint
+        from sheath_manip.cli.adjusting import adjusted
         from sheath_manip.cli.episodes import opened, run_all
         from sheath_manip.gates.constant import AlwaysExpert
-        from sheath_manip.gates.support import SupportGate
 
         with opened(task, self.variant) as environment:
-            policy, gate = None, AlwaysExpert()
+            policy, gate, adjusting = None, AlwaysExpert(), None
             if self.checkpoint is not None:
                 checkpoint = load_checkpoint(self.checkpoint, environment.spec)
                 policy = checkpoint.policy
-                gate = SupportGate(checkpoint.score, checkpoint.threshold)
+                with session.err.status("reading"):
+                    adjusting = adjusted(checkpoint, self.store)
+                gate = adjusting.gate
+            parts = () if adjusting is None else adjusting.parts
             with (
-                self.address.dashboard(environment.spec, session) as page,
+                self.address.dashboard(environment.spec, session, cockpit, parts) as page,
                 suppress(KeyboardInterrupt),
             ):
+                if adjusting is not None and adjusting.states is not None:
+                    page.on_fit(adjusting.states)
                 for record in run_all(
                     environment,
                     self._infos(environment.spec),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit.given import EMPTY, Given, SixAxes
 from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
-from sheath_manip.cockpit.orders import Order, clamped_speed
+from sheath_manip.cockpit.orders import OF_ANY_RUN, Order, clamped_speed
 from sheath_manip.types import Outcome
 
 MOST_ORDERS = 64
@@ -138,16 +138,21 @@ class Cockpit:
             last = [o for o, _ in self._orders if o in (Order.PAUSE, Order.RESUME)]
             return self._state.paused if not last else last[-1] is Order.PAUSE
 
+    @property
+    def heard(self) -> Given:
+        """What the operator's page said last."""
+        return self._given
+
     def order(self, order: Order, station: str, value: float = 1.0) -> bool:
         """Queue what `station` orders; whether it may.
 
         While somebody drives only that one gives orders, but for the emergency stop.
         """
-        if order is Order.STOP:
+        operated = self._state.operated
+        if order is Order.STOP and operated:
             self._stop.set()
             self._wake()
             return True
-        operated = self._state.operated
         holder = self.lease.holder
         if order is Order.TAKE_OVER:
             allowed = operated and self.lease.take(station)
@@ -156,7 +161,7 @@ class Cockpit:
         elif order is Order.HAND_BACK:
             allowed = operated and holder == station
         else:
-            allowed = holder in (None, station)
+            allowed = holder in (None, station) and (operated or order in OF_ANY_RUN)
         allowed = allowed and self._queue(order, value)
         if order is Order.HAND_BACK:
             self.lease.release(station)
@@ -207,6 +212,7 @@ class Cockpit:
         self._drain()
         self.ending = None
         self._abandoned = False
+        self.give_turn(Turn.POLICY)
 
     @property
     def mark(self) -> Outcome | None:

@@ -1,5 +1,6 @@
 """The expert of a run that a person operates: the person, or who acts in the meantime."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -35,43 +36,47 @@ class Hands(Protocol):
 
 
 class OperatedExpert:
-    """Acts as whoever the gate gave the turn to: the person, standing still, or the fallback."""
+    """Acts as whoever the gate gave the turn to: the person, or who stands in for it."""
 
-    def __init__(
-        self, cockpit: Cockpit, hands: Hands, fallback: Expert, hold: Expert | None = None
-    ) -> None:
-        """`hold` leaves the robot where it is; without one the fallback acts in its place."""
+    def __init__(self, cockpit: Cockpit, hands: Hands, stand_ins: Mapping[Turn, Expert]) -> None:
+        """Store who acts in each turn but the person's.
+
+        `stand_ins` has `Turn.HOLD`, who leaves the robot where it is, `Turn.FALLBACK`, who acts
+        where no person comes, and `Turn.POLICY`, who acts under a gate that knows no person.
+        """
         self.cockpit = cockpit
         self.hands = hands
-        self.fallback = fallback
-        self.hold = fallback if hold is None else hold
-        self._turn = Turn.POLICY
+        self.stand_ins = dict(stand_ins)
+        self._turn: Turn | None = None
 
     def reset(self) -> None:
         """A new episode for all of them."""
-        self._turn = Turn.POLICY
-        for expert in (self.fallback, self.hold):
+        self._turn = None
+        for expert in self._experts():
             expert.reset()
         self.cockpit.tool_pose = self.hands.tool_pose()
 
     def follow(self, observation: Observation) -> None:
         """Let the stand-ins see where the robot goes, and the page where the tool is."""
-        for expert in (self.fallback, self.hold):
+        for expert in self._experts():
             if isinstance(expert, Follows):
                 expert.follow(observation)
         self.cockpit.tool_pose = self.hands.tool_pose()
 
     def take_over(self, observation: Observation) -> None:  # noqa: ARG002
         """Whoever acts next begins its turn."""
-        self._turn = Turn.POLICY
+        self._turn = None
 
     def act(self, observation: Observation) -> Action:
         """(a,) of whose turn it is."""
         before, self._turn = self._turn, self.cockpit.turn
-        begins = self._turn is not before
         if self._turn is Turn.PERSON:
             return self.hands.action(self.cockpit.given)
-        expert = self.hold if self._turn is Turn.HOLD else self.fallback
-        if begins and isinstance(expert, TakesOver):
+        expert = self.stand_ins[self._turn]
+        if self._turn is not before and isinstance(expert, TakesOver):
             expert.take_over(observation)
         return expert.act(observation)
+
+    def _experts(self) -> list[Expert]:
+        """Each of them once."""
+        return list({id(expert): expert for expert in self.stand_ins.values()}.values())

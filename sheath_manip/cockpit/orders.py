@@ -31,6 +31,10 @@ class Order(StrEnum):
     """records nothing, and runs the scene again"""
 
 
+OF_ANY_RUN = (Order.PAUSE, Order.RESUME, Order.STEP, Order.SPEED)
+"""also where nobody may drive"""
+
+
 def clamped_speed(value: float) -> float:
     """`value` within what a run may be paced at; 1 where it is no number."""
     return min(max(value, SLOWEST), FASTEST) if math.isfinite(value) else 1.0

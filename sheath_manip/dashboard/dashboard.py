@@ -1,6 +1,7 @@
 """The live page of a run: a listener that copies what happens, and a thread that draws it."""
 
 import contextlib
+import sys
 import threading
 from types import TracebackType
 from typing import Self
@@ -14,15 +15,19 @@ from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.part import Desk, Maker
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
+from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.protocols import Environment
+from sheath_manip.results import RoundResult
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 
 DRAW_RATE_HZ = 20.0
+SWITCH_INTERVAL_S = 0.0005
+"""after which the control loop gets the interpreter back from a thread that draws"""
 
 
 class Dashboard:
@@ -39,23 +44,30 @@ class Dashboard:
         port: int = 8080,
         token: str | None = None,
         cockpit: Cockpit | None = None,
+        gate: tuple[Maker, ...] = (),
     ) -> None:
-        """Open the page; `cockpit` is where a person's orders go, by default one to hold the run.
+        """Open the page.
+
+        `cockpit` is where a person's orders go, by default one to hold the run; `gate` are the
+        sliders of a gate that a person may adjust.
 
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
         self.cockpit = cockpit or Cockpit()
         label = f"sheath · {spec.name}"
         self._server = GuardedServer.open(host, port, token, label, self.cockpit)
+        # Else the loop waits up to 5 ms for its turn where a drawing is under way.
+        sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
         desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
-        self._page = Page(desk, live(spec, self.cockpit, self._playhead))
+        self._page = Page(desk, live(spec, self.cockpit, self._playhead, gate))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
         self._training: Samples | None = None
+        self._results: tuple[RoundResult, ...] = ()
         self._server.viser.on_client_connect(self._greet)
         self.cockpit.on_change = self._drawer.wake
 
@@ -72,6 +84,11 @@ class Dashboard:
     def on_fit(self, states: Samples) -> None:
         """Show where policy and support were fitted."""
         self._training = states
+        self._drawer.wake()
+
+    def on_round(self, result: RoundResult) -> None:
+        """Show what a round of learning came to."""
+        self._results = (*self._results, result)
         self._drawer.wake()
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
@@ -146,28 +163,17 @@ class Dashboard:
         if shown is None:
             return None
         film, at, present = shown
-        trace = film.trace.so_far()
-        last = at + 1 == len(trace)
         with self._lock:
-            series, outcomes = self._tally.share(film.info), self._tally.outcomes(film.info)
-            outcome = film.outcome
-        if outcome is None:
-            series += Share.of(trace.until(at + 1))
-        return Moment(
-            info=film.info,
-            scene=film.scene,
-            pose=film.first_pose if at < 0 else film.poses[at],
-            trace=trace,
-            steps=film.steps,
-            at=at,
-            step=None if at < 0 else film.steps[at],
-            outcome=outcome if last else None,
-            series=series,
-            outcomes=outcomes,
-            training=self._training,
-            paused=self.cockpit.paused,
-            present=present,
-        )
+            return moment_of(
+                film,
+                at,
+                series=self._tally.share(film.info),
+                outcomes=self._tally.outcomes(film.info),
+                training=self._training,
+                results=self._results,
+                paused=self.cockpit.paused,
+                present=present,
+            )
 
     def _draw_latest(self) -> None:
         if not self._page.watched:

@@ -22,7 +22,7 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 
-class _Message(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
+class _Message(msgspec.Struct, tag_field="type", forbid_unknown_fields=True):
     """One of viser's messages, with the fields that the browser sends."""
 
 

@@ -1,32 +1,44 @@
-"""Which parts the live page has: a part of one's own is one file, and one line here."""
+"""Which parts each page has: a part of one's own is one file, and one line here."""
 
 from functools import partial
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.following import Following
-from sheath_manip.dashboard.part import Layout
+from sheath_manip.dashboard.part import Layout, Maker
 from sheath_manip.dashboard.parts.banner import Banner
 from sheath_manip.dashboard.parts.cameras import Cameras
 from sheath_manip.dashboard.parts.controls import Controls
 from sheath_manip.dashboard.parts.counts import Counts
+from sheath_manip.dashboard.parts.episode_list import EpisodeList
+from sheath_manip.dashboard.parts.export import Export, Exporting
 from sheath_manip.dashboard.parts.follow import FollowBox
 from sheath_manip.dashboard.parts.interventions import Interventions
+from sheath_manip.dashboard.parts.learning import LearningCurves
 from sheath_manip.dashboard.parts.lines import Lines
+from sheath_manip.dashboard.parts.marking import Marking
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.dashboard.parts.surfaces import Surfaces
 from sheath_manip.dashboard.parts.timeline import Timeline
 from sheath_manip.dashboard.parts.tool_gizmo import ToolGizmo
 from sheath_manip.dashboard.parts.trail import Trail
+from sheath_manip.dashboard.parts.transport import Transport
 from sheath_manip.dashboard.parts.trouble import Trouble
+from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.scene import SceneView
+from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.types import TaskSpec
 
 
-def live(spec: TaskSpec, cockpit: Cockpit, playhead: Playhead) -> Layout:
-    """The page of a run that a person controls from `cockpit`."""
-    following = Following(spec.first_view is not None and spec.first_view.follows)
+def live(
+    spec: TaskSpec, cockpit: Cockpit, playhead: Playhead, gate: tuple[Maker, ...] = ()
+) -> Layout:
+    """The page of a run that a person controls from `cockpit`.
+
+    `gate` are the sliders of a gate that a person may adjust.
+    """
+    following = _following(spec)
     return Layout(
         world=(
             partial(SceneView, following=following),
@@ -41,10 +53,39 @@ def live(spec: TaskSpec, cockpit: Cockpit, playhead: Playhead) -> Layout:
             "Run": (
                 ScorePlot,
                 Timeline,
-                partial(Interventions, playhead=playhead),
+                partial(Interventions, look_at=playhead.look_at, release=playhead.release),
                 Counts,
                 partial(FollowBox, following=following),
             ),
-            "Support": (SupportMap,),
+            "Support": (*gate, SupportMap),
+            "Learning": (LearningCurves,),
         },
     )
+
+
+def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting) -> Layout:
+    """The page of recorded episodes."""
+    following = _following(spec)
+    return Layout(
+        world=(partial(SceneView, following=following), Surfaces, Lines, Trail, Cameras),
+        head=(Trouble, Banner, partial(Transport, player=player)),
+        tabs={
+            "Episode": (
+                partial(ScorePlot, ahead=0.5),
+                Timeline,
+                partial(Interventions, look_at=player.look_at),
+                partial(Counts, with_series=False),
+                partial(FollowBox, following=following),
+            ),
+            "Episodes": (partial(EpisodeList, shelf=shelf, player=player),),
+            "Support": (SupportMap,),
+            "Marks": (
+                partial(Marking, shelf=shelf, player=player),
+                partial(Export, player=player, exporting=exporting),
+            ),
+        },
+    )
+
+
+def _following(spec: TaskSpec) -> Following:
+    return Following(spec.first_view is not None and spec.first_view.follows)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.trace import Trace
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.results import RoundResult
 from sheath_manip.types import EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
 
 
@@ -34,6 +35,8 @@ class Moment:
     """of those that have ended"""
     training: Samples | None
     """what the policy was fitted to; the same object until it is fitted anew"""
+    results: Sequence[RoundResult] = ()
+    """of the rounds of learning so far; the same object until there is one more"""
     paused: bool = False
     """whether a person holds the run"""
     present: bool = True

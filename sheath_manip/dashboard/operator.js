@@ -10,9 +10,9 @@ function (settings) {
   banner.id = "sheath-operator";
   banner.setAttribute("role", "status");
   banner.style.cssText =
-    "position:fixed;top:14px;left:50%;transform:translateX(-50%);z-index:10000;display:none;" +
-    "pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
-    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:60vw";
+    "position:fixed;top:14px;left:calc(50vw - 190px);transform:translateX(-50%);z-index:10000;" +
+    "display:none;pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
+    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:44vw";
   document.body.appendChild(banner);
 
   const send = (message) => {
@@ -51,9 +51,12 @@ function (settings) {
     target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
 
   function down(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
     const hotkey = settings.hotkeys[event.code], moves = state.operated && codes.has(event.code);
     if (!hotkey && !moves) return;
+    // Wherever the focus is: who wants to stop the robot does not look where that is.
+    const stops = hotkey === "emergency-stop";
+    const otherwise = event.ctrlKey || event.metaKey || event.altKey || typing(event.target);
+    if (otherwise && !stops) return;
     // Neither viser's camera nor a button that has the focus gets it.
     event.preventDefault();
     event.stopImmediatePropagation();

@@ -21,6 +21,7 @@ from websockets.exceptions import ConnectionClosed
 
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order
 from sheath_manip.cockpit.given import MOST_KEYS
+from sheath_manip.cockpit.orders import OF_ANY_RUN
 
 PATH = "/keys"
 SHOWN_EVERY_S = 0.1
@@ -80,7 +81,10 @@ class OperatorSocket:
         """The JavaScript for viser's page of that number; it alone is told its key."""
         key = secrets.token_urlsafe(16)
         self._pages[key] = station_of(page)
-        hotkeys = {code: order.value for code, order in HOTKEYS.items()}
+        operated = bool(self._codes)
+        hotkeys = {
+            code: order.value for code, order in HOTKEYS.items() if operated or order in OF_ANY_RUN
+        }
         settings = {"station": key, "path": PATH, "codes": sorted(self._codes), "hotkeys": hotkeys}
         return f"({SCRIPT.read_text()})({json.dumps(settings)})"
 

@@ -8,6 +8,7 @@ Rgb = tuple[int, int, int]
 ACTOR: dict[Actor, Rgb] = {Actor.POLICY: (0, 114, 178), Actor.EXPERT: (213, 94, 0)}
 REASON: dict[Reason, Rgb] = {
     Reason.OUTSIDE: (213, 94, 0),
+    Reason.RISK: (150, 60, 130),
     Reason.HOLD: (240, 175, 120),
     Reason.PERSON: (0, 158, 115),
     Reason.IDLE: (140, 205, 185),

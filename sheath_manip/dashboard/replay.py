@@ -1,45 +1,112 @@
-"""Plays a recorded episode to a listener as if it ran now."""
+"""The replay page: the episodes of a store, in the same scene, score and timeline as live."""
 
-import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
 
-from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Environment, Listener
-from sheath_manip.types import Episode
+import viser
+
+from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard.drawer import Drawer
+from sheath_manip.dashboard.film import Film
+from sheath_manip.dashboard.layout import recorded
+from sheath_manip.dashboard.page import Page
+from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.parts.export import Exporting
+from sheath_manip.dashboard.player import Player
+from sheath_manip.dashboard.server import GuardedServer
+from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.shown import moment_of
+from sheath_manip.dashboard.tally import Share
+from sheath_manip.types import TaskSpec
+
+DRAW_RATE_HZ = 20.0
 
 
-def replay(
-    listener: Listener, environment: Environment, episode: Episode, speed: float = 1.0
-) -> None:
-    """Restore each recorded state in `environment` and tell `listener` of each step.
+class Replay:
+    """Serves the page; `run` plays on the thread that it is called on."""
 
-    Args:
-        listener: the dashboard, for one; it may hold the replay paused.
-        environment: of the same task; it is reset to the episode's seed.
-        episode: as recorded.
-        speed: 1 plays at the episode's control rate, 2 twice as fast.
+    def __init__(
+        self,
+        spec: TaskSpec,
+        shelf: Shelf,
+        film_at: Callable[[int], Film],
+        exporting: Exporting,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        token: str | None = None,
+        speed: float = 1.0,
+        again: bool = True,
+    ) -> None:
+        """Open the page.
 
-    Raises:
-        ParameterError: a speed that is not positive, or an episode of another task.
-    """
-    if not speed > 0:
-        raise ParameterError(f"the replay's speed is {speed}; wanted more than 0, such as 1")
-    if episode.info.task != environment.spec.name:
-        raise ParameterError(
-            f"the episode is of task {episode.info.task!r}, the environment of "
-            f"{environment.spec.name!r}; wanted both of one task"
+        Args:
+            spec: of the episodes' task.
+            shelf: the episodes.
+            film_at: reads one; called by `run` alone, as `exporting` is.
+            exporting: makes a file of one.
+            host: address to listen on.
+            port: 0 takes any free one.
+            token: that lets a browser in; a random one by default.
+            speed: to begin with.
+            again: begin an episode anew at its end, else `run` returns there.
+
+        Raises:
+            SetupError: the port is taken.
+        """
+        self._shelf = shelf
+        self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", Cockpit())
+        self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
+        self.player = Player(film_at, self._drawer.wake, speed, again)
+        desk = Desk(self._server.viser, spec, self._drawer.wake)
+        self._page = Page(desk, recorded(spec, shelf, self.player, exporting))
+        self._training = shelf.training()
+        self._server.viser.on_client_connect(self._greet)
+
+    @property
+    def address(self) -> str:
+        """Where to point the browser; contains the token, so print it for the person only."""
+        return self._server.access.address
+
+    def run(self, place: int) -> None:
+        """Put on the episode at `place` and play what is asked for until `close`."""
+        self.player.load(place)
+        self.player.run()
+
+    def close(self) -> None:
+        """Stop playing and take the page down."""
+        self.player.close()
+        self._drawer.close()
+        self._server.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    async def _greet(self, _: viser.ClientHandle) -> None:
+        self._drawer.wake()
+
+    def _draw(self) -> None:
+        now = self.player.now
+        if now.film is None or not self._page.watched:
+            return
+        moment = moment_of(
+            now.film,
+            now.at,
+            series=Share(),
+            outcomes=self._shelf.outcomes,
+            training=self._training,
+            paused=not now.playing,
+            present=False,
         )
-    environment.reset(episode.info.seed)
-    if episode.steps:
-        environment.restore(episode.steps[0].state)
-    listener.on_start(environment, episode.info)
-    period_s = 1 / (episode.info.control_rate_hz * speed)
-    due_s = time.monotonic()
-    # A step's own state is the one before its action; a listener is told after it.
-    states_after = [step.state for step in episode.steps[1:]] + [episode.final_state]
-    for step, state in zip(episode.steps, states_after, strict=True):
-        environment.restore(state)
-        listener.on_step(environment, step)
-        # What a pause or a slow machine took is not caught up.
-        due_s = max(due_s + period_s, time.monotonic())
-        time.sleep(max(0.0, due_s - time.monotonic()))
-    listener.on_end(episode)
+        self._page.draw(moment)
+
+    def _show_trouble(self, failure: str) -> None:
+        self._page.show_trouble(failure)

@@ -82,6 +82,17 @@ class ScriptedPerson:
         return self._left >= 0
 
 
+class Nobody:
+    """Never takes over."""
+
+    def reset(self) -> None:
+        """There is nobody to tell."""
+
+    def wants(self, observation: Observation, proposed: Action) -> bool:  # noqa: ARG002
+        """No."""
+        return False
+
+
 def attentive_person(expert: Expert, action: ActionSpec) -> ScriptedPerson:
     """One who lets pass what the task counts as the same action, and nothing else."""
     return ScriptedPerson(expert, 1e-6 + action.tolerance * (action.maximum - action.minimum))

@@ -23,6 +23,7 @@ class SupportGate:
         release_margin: float = 0.0,
         quiet_steps: int = 0,
         minimum_hold_steps: int = 0,
+        why: Callable[[Observation], Reason] = lambda _: Reason.OUTSIDE,
     ) -> None:
         """Store the score and how takeovers end; ParameterError for a value outside its range.
 
@@ -35,6 +36,7 @@ class SupportGate:
             quiet_steps: the expert keeps acting for so many such steps in a row before it hands
                 back.
             minimum_hold_steps: the expert acts for at least so many steps once it has taken over.
+            why: what is to blame for a score below the threshold; asked only there.
         """
         if not np.isfinite(threshold):
             raise ParameterError(f"threshold is {threshold}; wanted a finite score, like 0.0")
@@ -49,6 +51,7 @@ class SupportGate:
         self.release_margin = release_margin
         self.quiet_steps = quiet_steps
         self.minimum_hold_steps = minimum_hold_steps
+        self.why = why
         self._held = 0
         self._quiet = 0
 
@@ -62,6 +65,8 @@ class SupportGate:
         """Score one observation and decide; the expert where `proposed` is None."""
         score = self._score_of(observation)
         reason = self._reason(score, proposed)
+        if reason is Reason.OUTSIDE:
+            reason = self.why(observation)
         if reason is Reason.INSIDE:
             self._held = self._quiet = 0
             return GateDecision(Actor.POLICY, self.query, reason, score, self.threshold)

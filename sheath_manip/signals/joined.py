@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.parts import part, prefixed
-from sheath_manip.protocols import Agreement, Arrays, Policy, Signal
+from sheath_manip.protocols import Agreement, Arrays, Policy, Refits, Signal
 
 LEAST_SHARE = 1e-3
 """added to every p: a few thousand steps say no more of what is rarer"""
@@ -54,6 +54,13 @@ class JoinedSignal:
             signal.fit(policy, states, agreement)
         return self
 
+    def refit(self, states: Samples) -> Self:
+        """Refit the signals that can be; joined as before, until `calibrate`."""
+        for signal in self.signals.values():
+            if isinstance(signal, Refits):
+                signal.refit(states)
+        return self
+
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """Learn how held-out expert `episodes` score; ParameterError where a signal has no score.
 
@@ -77,14 +84,17 @@ class JoinedSignal:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float64]:
         """(n,) weighted sums of log p; NaN where a signal has no score."""
-        return np.sum(
-            [
-                self.weights[name]
-                * log_share(signal.scores(images, features), self.references_[name])
-                for name, signal in self.signals.items()
-            ],
-            axis=0,
-        )
+        return np.sum(list(self.parts(images, features).values()), axis=0)
+
+    def parts(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> Mapping[str, NDArray[np.float64]]:
+        """(n,) what each signal adds to the score, by name."""
+        return {
+            name: self.weights[name]
+            * log_share(signal.scores(images, features), self.references_[name])
+            for name, signal in self.signals.items()
+        }
 
     def arrays(self) -> Arrays:
         """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""

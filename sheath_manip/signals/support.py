@@ -34,6 +34,16 @@ class SupportSignal:
         self.support.fit(vectors, agreement())
         return self
 
+    def refit(self, states: Samples) -> Self:
+        """Fit the support again to `states`, on the embedding as it is."""
+        if self.support.uses_agreement:
+            raise ParameterError(
+                f"{type(self.support).__name__} asks where the policy is right, which takes a "
+                "training run to say; wanted a support that is fitted to the states alone"
+            )
+        self.support.fit(self.embedding.transform(states.images, states.features))
+        return self
+
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """A support needs no held-out states."""
         del episodes

@@ -115,7 +115,7 @@ class GraspTask(SheathTask):
             max_steps=round(self.scenario.time_limit_s / CONTROL_TIMESTEP_S),
             metric="success",
             plane=("tool_x_m", "tool_y_m"),
-            first_view=FirstView(0.45, azimuth_deg=145.0, elevation_deg=25.0),
+            first_view=FirstView(0.55, azimuth_deg=145.0, elevation_deg=25.0),
             mirror=self._mirror(),
         )
 

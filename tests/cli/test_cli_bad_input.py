@@ -13,8 +13,10 @@ from sheath_manip.cli.entry import run_command
 from sheath_manip.dataset.store import EpisodeStore
 from tests.toy import CORRIDOR, Corridor, MiddleKeeper
 
-VERBS = ("collect", "train", "run", "evaluate", "experiment", "dashboard")
+VERBS = ("collect", "teleop", "train", "learn", "run", "evaluate", "experiment", "dashboard")
 REST = {
+    "teleop": ("--store", "x"),
+    "learn": ("--runs", "x"),
     "collect": ("--store", "x"),
     "train": ("--store", "x", "--checkpoint", "y"),
     "run": ("--checkpoint", "y"),

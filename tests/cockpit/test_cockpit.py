@@ -157,6 +157,10 @@ def test_who_may_not_drive_cannot(clock):
     cockpit = Cockpit(clock=clock)
     assert not cockpit.order(Order.TAKE_OVER, "one")
     assert not cockpit.order(Order.HAND_BACK, "one")
+    # There is nothing that would act on it, and the page must not say that there were.
+    assert not cockpit.order(Order.STOP, "one")
+    assert not cockpit.order(Order.DISCARD, "one")
+    assert not cockpit.state.stopped
     assert cockpit.order(Order.PAUSE, "one")
 
 

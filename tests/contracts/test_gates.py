@@ -6,6 +6,7 @@ from typing import cast
 import numpy as np
 import pytest
 
+from sheath_manip.cockpit import Cockpit, PersonGate
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates import (
     AlwaysExpert,
@@ -64,6 +65,9 @@ GATES: dict[str, Callable[[], Gate]] = {
     "human": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0)),
     "human, who drives on": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=3)),
     "redrawing": lambda: Redrawing(Mixture(0.5), Drawer()),
+    "person, who never comes": lambda: PersonGate(
+        SupportGate(first_feature, 0.0), Cockpit(), 20.0, wait_s=0.0
+    ),
     "support": lambda: SupportGate(first_feature, 0.0),
     "support, held": lambda: SupportGate(first_feature, 0.0, False, 0.5, 2, 4),
 }

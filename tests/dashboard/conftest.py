@@ -1,5 +1,6 @@
 """A task without a simulator: a car, and a stack of shapes, on a picture of a ring road."""
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.samples import Samples
+from sheath_manip.protocols import Environment
 from sheath_manip.types import (
     ActionSpec,
     Actor,
@@ -176,6 +178,20 @@ def drive(environment: RingRoad, steps: int) -> Episode:
         True,
         Outcome.TIME_LIMIT,
     )
+
+
+def play(
+    dashboard: Dashboard, environment: Environment, episode: Episode, speed: float = np.inf
+) -> None:
+    """Tell the page of a recorded episode as if it ran now, `speed` times as fast as it did."""
+    environment.reset(episode.info.seed)
+    dashboard.on_start(environment, episode.info)
+    states_after = [step.state for step in episode.steps[1:]] + [episode.final_state]
+    for step, state in zip(episode.steps, states_after, strict=True):
+        environment.restore(state)
+        dashboard.on_step(environment, step)
+        time.sleep(1 / (episode.info.control_rate_hz * speed))
+    dashboard.on_end(episode)
 
 
 @pytest.fixture

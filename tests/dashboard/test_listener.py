@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.aggregate import LearningRun
-from sheath_manip.dashboard import Dashboard, replay
+from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.moment import Moment
@@ -15,11 +15,10 @@ from sheath_manip.dashboard.parts.counts import Counts
 from sheath_manip.dashboard.parts.trouble import Trouble
 from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
 from sheath_manip.metrics import record_of
-from sheath_manip.protocols import Environment, Listener
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Limited, Outcome, Purpose, Step
-from tests.dashboard.conftest import SPEC, TOKEN
+from sheath_manip.protocols import Environment
+from sheath_manip.types import Actor, Episode, Limited, Outcome, Purpose
+from tests.dashboard.conftest import SPEC, TOKEN, play
 from tests.toy import CORRIDOR, PLAN, Corridor
 from tests.waiting import DEADLINE_S, eventually
 
@@ -253,47 +252,3 @@ def test_demonstration_is_no_intervention(
     assert moment.episode.interventions == 0
     assert moment.episode.expert_steps > 0
     assert moment.episode.queries == record_of(replace(episode, steps=steps)).queries
-
-
-def play(dashboard: Dashboard, environment: Environment, episode: Episode) -> None:
-    dashboard.on_start(environment, episode.info)
-    for step in episode.steps:
-        dashboard.on_step(environment, step)
-    dashboard.on_end(episode)
-
-
-class Log(Listener):
-    def __init__(self) -> None:
-        self.told: list[tuple[str, float]] = []
-
-    def on_fit(self, states: Samples) -> None:
-        self.told.append(("fit", len(states)))
-
-    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
-        self.told.append((f"start {info.method}", environment.state()[0]))
-
-    def on_step(self, environment: Environment, step: Step) -> None:
-        self.told.append((f"step {step.decision.actor}", environment.state()[0]))
-
-    def on_end(self, episode: Episode) -> None:
-        self.told.append(("end", episode.final_state[0]))
-
-
-def test_replay_tells_of_each_step_after_it(environment: Environment, episode: Episode) -> None:
-    log = Log()
-    began_s = time.monotonic()
-    replay(log, environment, episode, speed=20)
-    # 150 steps at 20 Hz, twenty times as fast.
-    assert time.monotonic() - began_s > 0.37
-    states = [step.state[0] for step in episode.steps] + [episode.final_state[0]]
-    assert log.told[0] == ("start sheath", states[0])
-    assert log.told[1:-1] == [
-        (f"step {step.decision.actor}", state)
-        for step, state in zip(episode.steps, states[1:], strict=True)
-    ]
-    assert log.told[-1] == ("end", states[-1])
-
-
-def test_replay_refuses_a_standstill(environment: Environment, episode: Episode) -> None:
-    with pytest.raises(ParameterError, match="more than 0"):
-        replay(Log(), environment, episode, speed=0)

@@ -7,12 +7,12 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page
 
-from sheath_manip.dashboard import Dashboard, replay
+from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
-from tests.dashboard.conftest import states_at
+from tests.dashboard.conftest import play, states_at
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
@@ -35,7 +35,7 @@ def test_page_shows_and_pauses_a_run(
 
     def replay_again_and_again() -> None:
         while not enough.is_set():
-            replay(dashboard, environment, episode, 1.0)
+            play(dashboard, environment, episode, 1.0)
 
     run = threading.Thread(target=replay_again_and_again, daemon=True)
     open_dashboard(page, dashboard.address)

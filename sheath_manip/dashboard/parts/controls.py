@@ -57,7 +57,8 @@ class Controls:
         state = self._cockpit.state
         paused = self._cockpit.paused
         self.stop.label = "Reset the stop (R)" if state.stopped else "STOP (Space)"
-        self.take.label, self.take.color = _take(state)
+        self.take.label = _take(state)
+        self.take.color = "green" if state.taken else "orange"
         self.pause.label = "Resume (P)" if paused else "Pause (P)"
         self.pause.icon = viser.Icon.PLAYER_PLAY if paused else viser.Icon.PLAYER_PAUSE
         self.pause.color = "green" if paused else "gray"
@@ -74,10 +75,10 @@ class Controls:
         self._desk.wake()
 
 
-def _take(state: State) -> tuple[str, str]:
+def _take(state: State) -> str:
     if state.taken:
-        return "Hand back (H)", "green"
-    return ("The robot asks: take over (T)" if state.asking else "Take over (T)"), "orange"
+        return "Hand back (H)"
+    return "The robot asks: take over (T)" if state.asking else "Take over (T)"
 
 
 def _guide(cockpit: Cockpit) -> str:

@@ -1,6 +1,6 @@
 """Which episode runs, and how much of the acting fell to whom so far."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 
 from sheath_manip.dashboard import palette
@@ -14,7 +14,9 @@ from sheath_manip.types import EpisodeInfo, Limited, Outcome
 class Counts:
     """Episode, step, shares and outcomes."""
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: Desk, with_series: bool = True) -> None:
+        """`with_series` counts all episodes of the same kind, too, where they are all known."""
+        self._with_series = with_series
         self._max_steps = desk.spec.max_steps
         self._facts = desk.viser.gui.add_html("")
         self._limited = desk.viser.gui.add_html("", visible=False)
@@ -22,13 +24,14 @@ class Counts:
 
     def draw(self, moment: Moment) -> None:
         """Show the counts so far."""
-        episode, series = moment.episode, moment.series
+        episode = moment.episode
+        series = moment.series if self._with_series else None
         self._facts.content = _facts(moment.info, episode.steps, self._max_steps)
         self._counts.content = _counts(moment.info, episode, series, moment.outcomes)
         # The text first: an empty box would be seen for a moment otherwise.
         now = () if moment.step is None else moment.step.limited
         self._limited.content = _limited(now, episode, series)
-        self._limited.visible = series.limited_steps > 0
+        self._limited.visible = (series or episode).limited_steps > 0
 
 
 def _facts(info: EpisodeInfo, steps: int, max_steps: int) -> str:
@@ -40,12 +43,13 @@ def _facts(info: EpisodeInfo, steps: int, max_steps: int) -> str:
     )
 
 
-def _limited(now: tuple[Limited, ...], episode: Share, series: Share) -> str:
+def _limited(now: tuple[Limited, ...], episode: Share, series: Share | None) -> str:
     """What the command filter did to the step, and how often it did anything."""
     told = " · ".join(f"{escape(each.limit)} {each.by:.0%}" for each in now)
     counted = " · ".join(
         f"{share.limited_share:.0%} of {name}"
         for name, share in (("this episode", episode), ("all", series))
+        if share is not None
     )
     colour = palette.css(palette.LIMITED) if now else "transparent"
     return (
@@ -56,15 +60,18 @@ def _limited(now: tuple[Limited, ...], episode: Share, series: Share) -> str:
 
 
 def _counts(
-    info: EpisodeInfo, episode: Share, series: Share, outcomes: Mapping[Outcome, int]
+    info: EpisodeInfo, episode: Share, series: Share | None, outcomes: Mapping[Outcome, int]
 ) -> str:
-    def row(name: str, of_episode: object, of_series: object) -> str:
-        return (
-            f'<tr><td style="opacity:.6;text-align:left">{name}</td>'
-            f"<td>{of_episode}</td><td>{of_series}</td></tr>"
-        )
+    shares = [episode] if series is None else [episode, series]
+
+    def row(name: str, count: Callable[[Share], object]) -> str:
+        cells = "".join(f"<td>{count(share)}</td>" for share in shares)
+        return f'<tr><td style="opacity:.6;text-align:left">{name}</td>{cells}</tr>'
 
     every = escape(" ".join(filter(None, (info.method, info.purpose.value))))
+    headings = "".join(
+        f"<td>{each}</td>" for each in ("this episode", f"all {every}")[: len(shares)]
+    )
     ended = " &nbsp; ".join(
         f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">'
         f"<b>{outcomes.get(outcome, 0)}</b> {escape(outcome.value)}</span>"
@@ -72,11 +79,11 @@ def _counts(
     )
     return (
         f'<div style="{TEXT}"><table style="width:100%;text-align:right">'
-        f'<tr style="opacity:.6"><td></td><td>this episode</td><td>all {every}</td></tr>'
-        f"{row('expert acted', f'{episode.expert_share:.0%}', f'{series.expert_share:.0%}')}"
-        f"{row('interventions', episode.interventions, series.interventions)}"
-        f"{row('switches', episode.switches, series.switches)}"
-        f"{row('labels', episode.queries, series.queries)}"
-        f"{row('steps', episode.steps, series.steps)}"
+        f'<tr style="opacity:.6"><td></td>{headings}</tr>'
+        f"{row('expert acted', lambda share: f'{share.expert_share:.0%}')}"
+        f"{row('interventions', lambda share: share.interventions)}"
+        f"{row('switches', lambda share: share.switches)}"
+        f"{row('labels', lambda share: share.queries)}"
+        f"{row('steps', lambda share: share.steps)}"
         f'</table><div style="margin-top:0.3em">{ended}</div></div>'
     )

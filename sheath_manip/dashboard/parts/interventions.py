@@ -1,11 +1,12 @@
 """The interventions of the shown episode, as a list that one can jump to."""
 
+from collections.abc import Callable
+
 import viser
 
 from sheath_manip.dashboard.markup import caption
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.trace import REASONS, Trace
 
 NONE: str = "none yet"
@@ -16,11 +17,16 @@ LISTED = 100
 class Interventions:
     """A list, buttons to the one before and after, and the way back to the present."""
 
-    def __init__(self, desk: Desk, playhead: Playhead, back: bool = True) -> None:
-        """`back` offers the present; what is recorded has none."""
+    def __init__(
+        self,
+        desk: Desk,
+        look_at: Callable[[int], None],
+        release: Callable[[], None] | None = None,
+    ) -> None:
+        """`look_at` shows a step, `release` the present; what is recorded has none."""
         gui = desk.viser.gui
         gui.add_html(caption("Interventions", "choose one to look at it"))
-        self._playhead = playhead
+        self._look_at = look_at
         self._starts: list[int] = []
         self._at = -1
         self._options: tuple[str, ...] = (NONE,)
@@ -29,7 +35,7 @@ class Interventions:
         self._back = gui.add_button(
             "Back to the present", icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
         )
-        self._offers_back = back
+        self._has_present = release is not None
 
         @self._list.on_update
         async def _(event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
@@ -37,7 +43,7 @@ class Interventions:
             if event.client_id is not None and self._list.value in self._options:
                 place = self._options.index(self._list.value)
                 if place < len(self._starts):
-                    playhead.look_at(self._starts[place])
+                    look_at(self._starts[place])
 
         @self._move.on_click
         async def _(_: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
@@ -45,29 +51,32 @@ class Interventions:
 
         @self._back.on_click
         async def _(_: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
-            playhead.release()
+            if release is not None:
+                release()
 
     def draw(self, moment: Moment) -> None:
         """List what the shown episode has."""
-        turns = moment.trace.turns[-LISTED:]
-        self._starts = [start for start, _ in turns]
+        turns = list(enumerate(moment.trace.turns, 1))[-LISTED:]
+        self._starts = [start for _, (start, _) in turns]
         self._at = moment.at
-        options = tuple(_line(moment.trace, *turn) for turn in turns) or (NONE,)
+        options = tuple(_line(number, moment.trace, *turn) for number, turn in turns) or (NONE,)
         if options != self._options:
             self._list.options = self._options = options
-        self._back.visible = self._offers_back and not moment.present
+        self._back.visible = self._has_present and not moment.present
 
     def _jump(self, forward: bool) -> None:
         if forward:
             later = [start for start in self._starts if start > self._at]
             if later:
-                self._playhead.look_at(later[0])
+                self._look_at(later[0])
         else:
             earlier = [start for start in self._starts if start < self._at]
             if earlier:
-                self._playhead.look_at(earlier[-1])
+                self._look_at(earlier[-1])
 
 
-def _line(trace: Trace, start: int, stop: int) -> str:
+def _line(number: int, trace: Trace, start: int, stop: int) -> str:
+    """Begins with its number, so that no two are alike; one that may still grow has no length."""
     reason = REASONS[trace.reason[start]].value
-    return f"{trace.time_s[start]:.1f} s · {reason} · {stop - start} steps"
+    length = f" · {stop - start} steps" if stop < len(trace) else ""
+    return f"{number} · {trace.time_s[start]:.1f} s · {reason}{length}"

@@ -6,7 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from sheath_manip.cockpit import Cockpit, SixAxes
+from sheath_manip.cockpit.cockpit import Cockpit
+from sheath_manip.cockpit.given import SixAxes
 from sheath_manip.exceptions import SetupError
 
 DEAD_ZONE = 0.08

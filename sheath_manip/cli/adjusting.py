@@ -1,0 +1,57 @@
+"""A gate with sliders on the page: its threshold, and nu where its training states are there."""
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from sheath_manip.checkpoint import Checkpoint
+from sheath_manip.dashboard.part import Maker
+from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.fitting import with_nu
+from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
+from sheath_manip.gates.support import SupportGate
+from sheath_manip.trained_on import TrainedOn, trained_on
+
+
+@dataclass(frozen=True, eq=False)
+class Adjusting:
+    """What a run and its page need."""
+
+    gate: Adjustable
+    parts: tuple[Maker, ...]
+    """of the page"""
+    states: Samples | None
+    """that the checkpoint was fitted to, where they are known"""
+
+
+def adjusted(checkpoint: Checkpoint, store: Path | None) -> Adjusting:
+    """The gate of `checkpoint`; `store` has the episodes that it was fitted to.
+
+    Raises StoreError where `store` is none, and ParameterError where it lacks the episodes.
+    """
+    seen = None if store is None else trained_on(EpisodeStore(store), checkpoint)
+    dial = Dial(_boundary(checkpoint, seen))
+    gate = SupportGate(
+        checkpoint.score,
+        checkpoint.threshold,
+        release_margin=checkpoint.release_margin,
+        why=checkpoint.reason,
+    )
+    parts: tuple[Maker, ...] = (partial(ThresholdSlider, dial=dial),)
+    nu = checkpoint.signal_choice.hyperparameters.get("nu")
+    if seen is not None and nu is not None:
+
+        def refit(nu: float) -> Boundary:
+            return _boundary(with_nu(checkpoint, seen.states, seen.calibration, nu), seen)
+
+        parts = (*parts, partial(NuSlider, dial=dial, refit=refit, nu=float(nu)))
+    return Adjusting(Adjustable(gate, dial), parts, None if seen is None else seen.states)
+
+
+def _boundary(checkpoint: Checkpoint, seen: TrainedOn | None) -> Boundary:
+    scores = [] if seen is None else [checkpoint.scores(each) for each in seen.calibration]
+    return around(checkpoint.score, checkpoint.threshold, np.concatenate([[], *scores]))

@@ -1,0 +1,164 @@
+"""`sheath learn`: rounds of learning by one method, with a scripted expert or with a person."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from sheath_manip.cli.operated import PERSON, Operating
+from sheath_manip.cli.options import Address, TaskName, planned, spec_of
+from sheath_manip.cli.session import Session
+from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.protocols import Gate, Listener
+from sheath_manip.task import SCRIPTED, TaskEntry
+
+PLANNED = (
+    "rounds",
+    "episodes",
+    "demonstrations",
+    "calibration",
+    "check",
+    "held_out",
+    "final",
+    "policy",
+    "signal",
+    "embedding",
+)
+"""options of the same name and meaning as in `LearningPlan`"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Learn:
+    """Teach a policy in rounds: it drives under its gate, the expert helps, both are refitted.
+
+    With a person as the expert it is asked on the page where the gate wants one, and only what it
+    drove itself is learned from. Stopped anywhere and called again, it goes on where it was.
+    """
+
+    task: TaskName
+    """name of the task, as `sheath tasks` lists it"""
+    runs: Path
+    """directory for the store, the checkpoints and what each round showed"""
+    expert: str = SCRIPTED
+    """scripted, or a person at the page"""
+    demonstrator: str = SCRIPTED
+    """who gives the first demonstrations, and the held-out ones for the threshold: scripted, or a
+    person as well"""
+    method: str = "sheath-own-labels"
+    """name, as `sheath tasks` lists it; with hg-dagger only the person says when it drives"""
+    plan: str = "full"
+    """the settings, as `sheath tasks` lists them"""
+    rounds: int | None = None
+    """after the demonstrations; the plan's by default, as with all that follow"""
+    episodes: int | None = None
+    """in a round"""
+    demonstrations: int | None = None
+    """before the first round"""
+    calibration: int | None = None
+    """held-out expert episodes for the threshold, at least 3"""
+    check: int | None = None
+    """further ones, to measure false alarms"""
+    held_out: int | None = None
+    """scenes on which the policy alone is judged after each round"""
+    final: int | None = None
+    """scenes on which the last policy is judged"""
+    policy: str | None = None
+    """name, as `sheath tasks` lists it, as with the next two"""
+    signal: str | None = None
+    """what the gate looks at"""
+    embedding: str | None = None
+    """what of the policy the support is estimated on"""
+    seed: int = 0
+    """of the training run"""
+    dashboard: bool = False
+    """show the run in the browser; with a person it always is"""
+    operating: Operating = field(default_factory=Operating)
+    address: Address = field(default_factory=Address)
+
+    def run(self, session: Session) -> int:
+        """Run all rounds, then print what each showed."""
+        task = session.task(self.task)
+        for name in (self.expert, self.demonstrator):
+            if name not in (SCRIPTED, PERSON):
+                raise UnknownNameError("expert to learn from", name, (SCRIPTED, PERSON))
+        if PERSON in (self.expert, self.demonstrator):
+            with self.operating.crew(task, self.address, session) as crew:
+                return self._run(crew.operated(), session, crew.listeners, crew.gate)
+        self.operating.require_default()
+        with self._page(task, session) as listeners:
+            return self._run(task, session, listeners, None)
+
+    @contextmanager
+    def _page(self, task: TaskEntry, session: Session) -> Iterator[Sequence[Listener]]:
+        if not self.dashboard:
+            yield ()
+            return
+        with self.address.dashboard(spec_of(task), session) as page:
+            yield (page,)
+
+    def _run(
+        self,
+        task: TaskEntry,
+        session: Session,
+        listeners: Sequence[Listener],
+        supervised: Callable[[Gate], Gate] | None,
+    ) -> int:
+        asked = {name: getattr(self, name) for name in PLANNED}
+        plan = planned(task, self.plan, **asked, methods=(self.method,), seeds=(self.seed,))
+        # Only now: torch takes seconds to import.
+        from sheath_manip.aggregate import LearningRun
+        from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.experiments.resuming import require_same_plan
+        from sheath_manip.gates.human import Nobody
+        from sheath_manip.methods import method_named
+        from sheath_manip.results import round_path
+
+        method_named(self.method)
+        self.runs.mkdir(parents=True, exist_ok=True)
+        require_same_plan(plan.described(), self.runs / "plan.json")
+        with session.progress("episodes and fits", plan.units()) as report:
+            learning = LearningRun(
+                task,
+                plan,
+                self.seed,
+                self.runs,
+                EpisodeStore.create(self.runs / "store"),
+                listeners,
+                report,
+                # Who takes over says so at the controls, and needs no gate to ask.
+                person=(lambda _: Nobody()) if self.expert == PERSON else None,
+                supervised=supervised if self.expert == PERSON else None,
+                demonstrated=supervised if self.demonstrator == PERSON else None,
+            )
+            try:
+                results = learning.run(self.method)
+            finally:
+                learning.close()
+        table = Table(box=None, pad_edge=False)
+        for heading in ("round", "failed", "expert's share", "labelled states", "alone: failed"):
+            table.add_column(heading, justify="right")
+        for result in results:
+            table.add_row(
+                str(result.round),
+                _failed(result.executed),
+                f"{_share(result.executed):.0%}",
+                str(result.states),
+                _failed(result.policy),
+            )
+        session.out.print(table)
+        last = round_path(self.runs, self.seed, results[-1].method, results[-1].round, "npz")
+        session.out.print(Text(f"the last policy and its gate: {last}"))
+        return 0
+
+
+def _failed(records) -> str:
+    return f"{sum(record.outcome == 'failure' for record in records)} of {len(records)}"
+
+
+def _share(records) -> float:
+    from sheath_manip.metrics import expert_share
+
+    return expert_share(records)

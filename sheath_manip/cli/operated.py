@@ -1,0 +1,133 @@
+"""Options and parts of a run whose expert is a person at the page."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from sheath_manip.cli.options import Address
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.cli.session import Session
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
+from sheath_manip.cockpit.cockpit import Turn
+from sheath_manip.cockpit.gate import WAIT_S
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Environment, Expert, Gate, Listener
+from sheath_manip.task import SCRIPTED, TaskEntry
+from sheath_manip.types import TaskSpec
+
+if TYPE_CHECKING:
+    from sheath_manip.dashboard import Dashboard
+
+PERSON = "person"
+"""the name of a person among a task's experts"""
+HOLD = "hold"
+"""the stand-in that leaves the robot where it is"""
+
+
+@dataclass(frozen=True)
+class Operating:
+    """How a person operates; only with a person as the expert."""
+
+    fallback: str = SCRIPTED
+    """who acts where a person is asked and does not come: the scripted expert, or a stand-in that
+    the task has, such as hold or back-up"""
+    wait_s: float = WAIT_S
+    """for the person, before the fallback acts"""
+    speed: float = 1.0
+    """1 is the task's control rate; the page's slider multiplies it"""
+    spacemouse: bool = False
+    """read the SpaceMouse that is plugged in here"""
+
+    def require_default(self) -> None:
+        """Raise ParameterError where one is given that only a person could use."""
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if value != each.default:
+                name = each.name.replace("_", "-")
+                raise ParameterError(f"--{name} {value} is for a person; wanted --expert {PERSON}")
+
+    @contextmanager
+    def crew(self, task: TaskEntry, address: Address, session: Session) -> Iterator["Crew"]:
+        """The page with its controls, and the parts of a run that go with it."""
+        if task.hands is None:
+            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with hands")
+        if not self.wait_s >= 0:
+            raise ParameterError(f"wait_s is {self.wait_s}; wanted at least 0, such as {WAIT_S:g}")
+        probe = task.make()
+        spec, hands = probe.spec, task.hands(probe)
+        task.make_expert(probe, self.fallback)
+        probe.close()
+        cockpit = Cockpit(hands.guide, paced=True)
+        pacing = Pacing(self.speed, lambda: cockpit.speed)
+        with ExitStack() as stack:
+            if self.spacemouse:
+                # Only now: it is an extra.
+                from sheath_manip.cockpit.spacemouse import SpaceMouse
+
+                stack.enter_context(SpaceMouse(cockpit))
+            page = stack.enter_context(address.dashboard(spec, session, cockpit))
+            yield Crew(task, self, spec, cockpit, hands.dead_man, (page, pacing))
+
+
+@dataclass(frozen=True, eq=False)
+class Crew:
+    """Who may act in a run that a person operates."""
+
+    task: TaskEntry
+    operating: Operating
+    spec: TaskSpec
+    cockpit: Cockpit
+    dead_man: bool
+    listeners: Sequence[Listener]
+    """the page, then the pacing"""
+
+    @property
+    def page(self) -> "Dashboard":
+        """The page."""
+        return self.listeners[0]  # pyright: ignore[reportReturnType]
+
+    def operated(self) -> TaskEntry:
+        """The task, with episodes that a person may end and an expert that may be a person."""
+        task = self.task
+        return replace(
+            task,
+            variants={name: partial(self._made, make) for name, make in task.variants.items()},
+            run_variants={
+                name: partial(self._made, make) for name, make in task.run_variants.items()
+            },
+            expert=self.expert,
+        )
+
+    def _made(self, make: Callable[..., Environment], *seed: int) -> OperatedEnvironment:
+        return OperatedEnvironment(make(*seed), self.cockpit)
+
+    def expert(self, environment: Environment) -> Expert:
+        """The person, and who acts in its place."""
+        assert isinstance(environment, OperatedEnvironment)
+        inner, task = environment.environment, self.task
+        assert task.hands is not None
+        scripted = task.expert(inner)
+        fallback = self.operating.fallback
+        acting = scripted if fallback == SCRIPTED else task.make_expert(inner, fallback)
+        hold = task.make_expert(inner, HOLD) if self.can_hold else acting
+        stand_ins = {Turn.POLICY: scripted, Turn.FALLBACK: acting, Turn.HOLD: hold}
+        return OperatedExpert(self.cockpit, task.hands(inner), stand_ins)
+
+    def gate(self, gate: Gate) -> PersonGate:
+        """`gate`, whose expert is the person."""
+        return PersonGate(
+            gate,
+            self.cockpit,
+            self.spec.control_rate_hz,
+            wait_s=self.operating.wait_s,
+            can_hold=self.can_hold,
+            dead_man=self.dead_man,
+            fallback_teaches=self.operating.fallback == SCRIPTED,
+        )
+
+    @property
+    def can_hold(self) -> bool:
+        """Whether the robot can stay where it is."""
+        return HOLD in self.task.stand_ins

@@ -1,0 +1,29 @@
+"""A listener that lets an episode begin only when a person has taken over."""
+
+from sheath_manip.cockpit.cockpit import Cockpit, Turn
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.protocols import Environment
+from sheath_manip.types import Episode, EpisodeInfo, Step
+
+
+class UntilTaken:
+    """Holds each episode before its first step, and asks; who drives on need not be asked."""
+
+    def __init__(self, cockpit: Cockpit) -> None:
+        self.cockpit = cockpit
+
+    def on_fit(self, states: Samples) -> None:
+        """Nothing to wait for."""
+
+    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
+        """Wait for the person; not for one who will never come, since the page is gone."""
+        del environment, info
+        while not (self.cockpit.now().taken or self.cockpit.closed):
+            self.cockpit.give_turn(Turn.HOLD, asking=True, left_s=float("inf"))
+            self.cockpit.rest()
+
+    def on_step(self, environment: Environment, step: Step) -> None:
+        """Nothing to wait for."""
+
+    def on_end(self, episode: Episode) -> None:
+        """Nothing to wait for."""

@@ -1,0 +1,76 @@
+"""A small line chart as SVG text: for what changes seldom, and has as many lines as it has."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+
+import numpy as np
+
+from sheath_manip.dashboard import palette
+
+WIDTH, HEIGHT = 320, 130
+LEFT, RIGHT, TOP, BOTTOM = 38, 8, 8, 18
+TICKS = 3
+# Okabe and Ito's, the policy's and the expert's first.
+COLOURS: tuple[palette.Rgb, ...] = (
+    (0, 114, 178),
+    (213, 94, 0),
+    (0, 158, 115),
+    (204, 121, 167),
+    (86, 180, 233),
+    (230, 159, 0),
+    (110, 116, 124),
+)
+
+Points = Sequence[tuple[float, float]]
+
+
+def line_chart(lines: Mapping[str, Points], low: float | None = None) -> str:
+    """The `lines` by name, over a range that holds them all, and `low` where it is given."""
+    known = [(x, y) for points in lines.values() for x, y in points if np.isfinite(y)]
+    if not known:
+        return ""
+    x_low, x_high = min(x for x, _ in known), max(x for x, _ in known)
+    y_low, y_high = min(y for _, y in known), max(y for _, y in known)
+    y_low = y_low if low is None else min(low, y_low)
+    if y_high - y_low < 1e-9:
+        y_high = y_low + 1.0
+
+    def place(x: float, y: float) -> tuple[float, float]:
+        across = (x - x_low) / max(x_high - x_low, 1e-9)
+        up = (y - y_low) / (y_high - y_low)
+        return LEFT + across * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - up * (
+            HEIGHT - TOP - BOTTOM
+        )
+
+    pieces = [_grid(y, *place(x_low, y)) for y in np.linspace(y_low, y_high, TICKS)]
+    for x in sorted({round(x_low), round((x_low + x_high) / 2), round(x_high)}):
+        column, _ = place(x, y_low)
+        pieces.append(_text(column, HEIGHT - 4, f"{x:g}", "middle"))
+    for number, points in enumerate(lines.values()):
+        colour = palette.css(COLOURS[number % len(COLOURS)])
+        placed = [place(x, y) for x, y in points if np.isfinite(y)]
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in placed)
+        pieces.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        pieces += [
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in placed
+        ]
+    names = " &nbsp; ".join(
+        f'<span style="white-space:nowrap"><span style="color:'
+        f'{palette.css(COLOURS[number % len(COLOURS)])}">●</span> {escape(name)}</span>'
+        for number, name in enumerate(lines)
+    )
+    return (
+        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" style="width:100%" '
+        f'font-size="10" fill="currentColor">{"".join(pieces)}</svg><div>{names}</div>'
+    )
+
+
+def _grid(value: float, column: float, row: float) -> str:
+    return (
+        f'<line x1="{column:.1f}" x2="{WIDTH - RIGHT}" y1="{row:.1f}" y2="{row:.1f}" '
+        f'stroke="currentColor" opacity=".15"/>{_text(column - 4, row + 3, f"{value:.3g}", "end")}'
+    )
+
+
+def _text(column: float, row: float, text: str, anchor: str) -> str:
+    return f'<text x="{column:.1f}" y="{row:.1f}" text-anchor="{anchor}">{text}</text>'

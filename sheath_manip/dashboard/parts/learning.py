@@ -1,0 +1,70 @@
+"""Learning curves: what each round of each method showed so far."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from sheath_manip.dashboard.line_chart import line_chart
+from sheath_manip.dashboard.markup import TEXT, caption, note
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
+from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
+from sheath_manip.results import RoundResult
+
+NO_ROUND = "The curves appear here with the first round of learning."
+
+
+class LearningCurves:
+    """By round, each method a line; several training seeds are averaged."""
+
+    def __init__(self, desk: Desk) -> None:
+        gui = desk.viser.gui
+        metric = desk.spec.metric
+        self._note = gui.add_html(note(NO_ROUND))
+        self._charts: list[tuple[Callable[[RoundResult], float], float | None]] = [
+            (lambda result: _failed(result.executed), 0.0),
+            (lambda result: _mean(result.policy, metric), None),
+            (lambda result: _failed(result.policy), 0.0),
+            (lambda result: expert_share(result.executed), 0.0),
+        ]
+        self._drawn = []
+        for title, detail in (
+            ("Failed while learning", "share of the round's episodes"),
+            (metric, "mean, of the new policy alone on held-out scenes"),
+            ("Policy alone failed", "share of held-out scenes"),
+            ("Expert acted", "share of the round's steps"),
+        ):
+            gui.add_html(caption(title, detail))
+            self._drawn.append(gui.add_html(""))
+        self._results: Sequence[RoundResult] = ()
+
+    def draw(self, moment: Moment) -> None:
+        """Show what came since."""
+        if moment.results is self._results:
+            return
+        self._results = moment.results
+        self._note.visible = not moment.results
+        for (value, low), html in zip(self._charts, self._drawn, strict=True):
+            html.content = f'<div style="{TEXT}">{_chart(moment.results, value, low)}</div>'
+
+
+def _chart(
+    results: Sequence[RoundResult], value: Callable[[RoundResult], float], low: float | None
+) -> str:
+    lines: dict[str, list[tuple[float, float]]] = {}
+    for method in dict.fromkeys(result.method for result in results):
+        of_method = [result for result in results if result.method == method]
+        rounds = sorted({result.round for result in of_method})
+        lines[method] = [
+            (number, float(np.mean([value(r) for r in of_method if r.round == number])))
+            for number in rounds
+        ]
+    return line_chart(lines, low)
+
+
+def _failed(records: Sequence[EpisodeRecord]) -> float:
+    return figures_of(records).failure_rate
+
+
+def _mean(records: Sequence[EpisodeRecord], metric: str) -> float:
+    return figures_of(records).metric.get(metric, float("nan"))

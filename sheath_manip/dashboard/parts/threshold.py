@@ -1,0 +1,113 @@
+"""Sliders that move the gate's boundary: its threshold, and nu of its support."""
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+import viser
+
+from sheath_manip.dashboard.markup import caption, note
+from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.part import Desk
+from sheath_manip.gates.adjustable import Boundary, Dial
+
+SLIDER_STEPS = 200
+LEAST_NU, MOST_NU = 0.005, 0.6
+FITTING = "fitting the support with ν = {nu:g} …"
+
+Refit = Callable[[float], Boundary]
+"""from nu to the boundary of the support that is fitted anew; takes seconds"""
+
+
+class ThresholdSlider:
+    """The gate goes by it from its next step on."""
+
+    def __init__(self, desk: Desk, dial: Dial) -> None:
+        gui, boundary = desk.viser.gui, dial.boundary
+        self._dial = dial
+        self._shown = boundary
+        gui.add_html(caption("Gate", "takes effect at the next step"))
+        self.slider = gui.add_slider(
+            "Threshold",
+            min=boundary.lowest,
+            max=boundary.highest,
+            step=_step(boundary),
+            initial_value=boundary.threshold,
+        )
+
+        @self.slider.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            # An update without a client is the program's own.
+            if event.client_id is not None and desk.allows(event.client_id):
+                dial.boundary = dial.boundary.at(float(self.slider.value))
+                self._shown = dial.boundary
+            desk.wake()
+
+    def draw(self, moment: Moment) -> None:
+        """Follow what a new fit, or who may, has made of it."""
+        del moment
+        boundary = self._dial.boundary
+        if boundary is self._shown and self.slider.value == boundary.threshold:
+            return
+        self.slider.min, self.slider.max = boundary.lowest, boundary.highest
+        self.slider.step = _step(boundary)
+        self.slider.value = boundary.threshold
+        self._shown = boundary
+
+
+class NuSlider:
+    """A worker fits the support anew; until it is done the old one decides."""
+
+    def __init__(self, desk: Desk, dial: Dial, refit: Refit, nu: float) -> None:
+        gui = desk.viser.gui
+        self._dial, self._refit, self._wake = dial, refit, desk.wake
+        self._wanted: float | None = None
+        self._told = ""
+        self._news = threading.Condition()
+        self.slider = gui.add_slider(
+            "ν",
+            min=min(LEAST_NU, nu),
+            max=max(MOST_NU, nu),
+            step=LEAST_NU,
+            initial_value=nu,
+        )
+        self._note = gui.add_html(_note(nu, ""))
+        self._nu = nu
+        threading.Thread(target=self._work, name="support refit", daemon=True).start()
+
+        @self.slider.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None and desk.allows(event.client_id):
+                with self._news:
+                    self._wanted = float(self.slider.value)
+                    self._news.notify()
+
+    def draw(self, moment: Moment) -> None:
+        """Tell how far the worker is."""
+        del moment
+        self._note.content = _note(self._nu, self._told)
+
+    def _work(self) -> None:
+        while True:
+            with self._news:
+                while self._wanted is None:
+                    self._news.wait()
+                # What was asked for in between is skipped: only the last wish counts.
+                nu, self._wanted = self._wanted, None
+            self._told = FITTING.format(nu=nu)
+            self._wake()
+            try:
+                self._dial.boundary = self._refit(nu)
+                self._nu, self._told = nu, ""
+            except Exception as error:
+                # Of a worker nobody else would hear.
+                self._told = f"ν stays: {type(error).__name__}: {error}"
+            self._wake()
+
+
+def _step(boundary: Boundary) -> float:
+    return float(np.ptp([boundary.lowest, boundary.highest])) / SLIDER_STEPS
+
+
+def _note(nu: float, told: str) -> str:
+    return note(told or f"ν = {nu:g}: at most that share of the training states lies outside")

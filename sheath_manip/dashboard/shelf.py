@@ -1,0 +1,82 @@
+"""The episodes of a store as the replay page lists them: by place, never by a path from outside."""
+
+import threading
+from collections import Counter
+from collections.abc import Mapping
+from contextlib import suppress
+
+from sheath_manip.dataset.marks import Marks
+from sheath_manip.dataset.reader import EpisodeSummary
+from sheath_manip.dataset.samples import Samples, samples_from
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types import Episode, Outcome
+
+MOST_STATES_OF = 40
+"""episodes that the picture of the support is drawn from"""
+
+
+class Shelf:
+    """Reads and marks episodes of one store; a place is that of `sheath data list`."""
+
+    def __init__(self, store: EpisodeStore) -> None:
+        self._store = store
+        self._names = store.names()
+        self._lock = threading.Lock()
+        self._summaries = [store.summary(name) for name in self._names]
+        self._marks = [store.marks(name) for name in self._names]
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def summaries(self) -> list[EpisodeSummary]:
+        """One an episode, marks included."""
+        with self._lock:
+            return list(self._summaries)
+
+    @property
+    def outcomes(self) -> Mapping[Outcome, int]:
+        """How many ended how."""
+        return Counter(summary.outcome for summary in self.summaries)
+
+    def name(self, place: int) -> str:
+        """Of the episode at `place`; raises ParameterError where there is none."""
+        if not 0 <= place < len(self._names):
+            raise ParameterError(
+                f"there is no episode at place {place}; wanted 0 .. {len(self._names) - 1}"
+            )
+        return self._names[place]
+
+    def read(self, place: int) -> Episode:
+        """The episode as it was recorded."""
+        return self._store.read(self.name(place))
+
+    def kept(self, place: int) -> Marks:
+        """What was said of it, as this shelf knows."""
+        self.name(place)
+        with self._lock:
+            return self._marks[place]
+
+    def mark(self, place: int, marks: Marks) -> None:
+        """Keep what is said of it; raises StoreError where the disk refuses."""
+        name = self.name(place)
+        self._store.mark(name, marks)
+        summary = self._store.summary(name)
+        with self._lock:
+            self._summaries[place] = summary
+            self._marks[place] = marks
+
+    def training(self) -> Samples | None:
+        """Labelled states of the first episodes, without images; None where nothing is labelled.
+
+        Damaged episodes are passed over: who looks at another one need not care.
+        """
+        episodes = []
+        for name in self._names[:MOST_STATES_OF]:
+            with suppress(StoreError):
+                episodes.append(self._store.read(name, need_images=False))
+        try:
+            return samples_from(episodes)
+        except ParameterError:
+            return None

@@ -1,0 +1,71 @@
+"""A support gate whose boundary a person moves while the robot runs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.support import SupportGate
+from sheath_manip.types import Action, GateDecision, Observation
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """What a support gate goes by, as one value: a step never sees half of a new one."""
+
+    score: Callable[[Observation], float | None]
+    threshold: float
+    lowest: float
+    """the threshold that a person may set, at least"""
+    highest: float
+    """and at most"""
+
+    def at(self, threshold: float) -> "Boundary":
+        """The same with another threshold, clamped; ParameterError where it is no number."""
+        if not np.isfinite(threshold):
+            raise ParameterError(f"threshold is {threshold}; wanted a finite score, like 0.0")
+        return replace(self, threshold=min(max(threshold, self.lowest), self.highest))
+
+
+class Dial:
+    """Holds the boundary; set from any thread, read by the gate at each step."""
+
+    def __init__(self, boundary: Boundary) -> None:
+        self.boundary = boundary
+
+
+class Adjustable:
+    """Decides as a support gate at the boundary that the dial has in this step."""
+
+    def __init__(self, gate: SupportGate, dial: Dial) -> None:
+        self.gate = gate
+        self.dial = dial
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Forget the last episode."""
+        self.gate.reset(rng)
+
+    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+        """As the gate decides."""
+        boundary = self.dial.boundary
+        self.gate.score, self.gate.threshold = boundary.score, boundary.threshold
+        return self.gate.decide(observation, proposed)
+
+
+def around(
+    score: Callable[[Observation], float | None], threshold: float, scores: np.ndarray
+) -> Boundary:
+    """A boundary that may be moved over all `scores` (n,) of states, and to where each is outside.
+
+    Without any it may be moved by as much as it is away from 0, at least 1.
+    """
+    known = np.asarray(scores, float)[np.isfinite(scores)]
+    if known.size:
+        low, high = float(known.min()), float(known.max())
+        reach = 0.05 * max(high - low, 1e-6)
+        low, high = min(low, threshold) - reach, max(high, threshold) + reach
+    else:
+        reach = max(1.0, abs(threshold))
+        low, high = threshold - reach, threshold + reach
+    return Boundary(score, threshold, low, high)

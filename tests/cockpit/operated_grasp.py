@@ -1,0 +1,125 @@
+"""A grasp that a person at the page operates, in a thread of its own, at the task's pace."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
+from sheath_manip.cockpit.cockpit import Ending, Turn
+from sheath_manip.dashboard import Dashboard
+from sheath_manip.gates import SupportGate
+from sheath_manip.rollout import rollout
+from sheath_manip.types import Action, EpisodeInfo, Observation, Purpose, Step
+from tasks.composer_environment import ComposerEnvironment
+from tasks.grasp_clutter.entry import drive_of, hands, hold
+from tasks.grasp_clutter.scene import EASY
+from tasks.grasp_clutter.task import GraspTask, Scenario
+from tests.waiting import DEADLINE_S, eventually
+
+INFO = EpisodeInfo("grasp-clutter", 5, Purpose.LEARNING, 20.0, method="sheath")
+SCENARIO = Scenario(difficulty=EASY, cameras=(), time_limit_s=3600.0)
+"""without pictures, and for as long as a browser takes"""
+
+
+@dataclass
+class OperatedGrasp:
+    """What a test looks at and turns."""
+
+    page: Dashboard
+    cockpit: Cockpit
+    inside: bool = True
+    """what the gate says"""
+    steps: list[Step] = field(default_factory=list)
+    turns: list[tuple[float, Turn]] = field(default_factory=list)
+    """when, and whose"""
+    tool_m: NDArray = field(default_factory=lambda: np.zeros(3))
+
+    def until_turn(self, turn: Turn) -> None:
+        """Wait until it is so, in a step that begins from now on."""
+        before = len(self.turns)
+        assert eventually(lambda: len(self.turns) > before + 1 and self.turns[-1][1] is turn), (
+            f"the turn is {self.turns[-1:]}; wanted {turn}"
+        )
+
+    def score(self, observation: Observation) -> float:
+        del observation
+        return 1.0 if self.inside else -1.0
+
+    def on_fit(self, states) -> None:
+        del states
+
+    def on_start(self, environment, info) -> None:
+        del environment, info
+
+    def on_step(self, environment, step: Step) -> None:
+        del environment
+        self.steps.append(step)
+        self.turns.append((time.monotonic(), self.cockpit.turn))
+        pose = self.cockpit.tool_pose
+        assert pose is not None
+        self.tool_m = pose[:3]
+
+    def on_end(self, episode) -> None:
+        del episode
+
+
+class Idle:
+    """A policy that stays where it is."""
+
+    def __init__(self, rest) -> None:
+        self.rest = rest
+
+    def act(self, observation: Observation) -> Action:
+        del observation
+        return self.rest()
+
+
+@contextmanager
+def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
+    """The run, until the block ends."""
+    ready: list[OperatedGrasp] = []
+    failed: list[BaseException] = []
+
+    def run() -> None:
+        inner = ComposerEnvironment(GraspTask(SCENARIO))
+        by_hand = hands(inner)
+        cockpit = Cockpit(by_hand.guide, paced=True)
+        environment = OperatedEnvironment(inner, cockpit)
+        standing = hold(inner)
+        try:
+            with Dashboard(inner.spec, port=0, cockpit=cockpit) as page:
+                grasp = OperatedGrasp(page, cockpit)
+                ready.append(grasp)
+                rollout(
+                    environment,
+                    INFO,
+                    PersonGate(SupportGate(grasp.score, 0.0), cockpit, 20.0, wait_s=wait_s),
+                    rng=np.random.default_rng(0),
+                    policy=Idle(drive_of(inner).rest),
+                    expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Turn, standing)),
+                    listeners=(page, grasp, Pacing(times=lambda: cockpit.speed)),
+                )
+        except BaseException as error:
+            failed.append(error)
+            raise
+        finally:
+            inner.close()
+
+    thread = threading.Thread(target=run, name="operated grasp", daemon=True)
+    thread.start()
+    assert eventually(lambda: bool(failed or (ready and ready[0].steps))), "the run never began"
+    assert not failed
+    try:
+        yield ready[0]
+    finally:
+        ready[0].cockpit.ending = Ending.SAVE
+        ready[0].cockpit.close()
+        thread.join(DEADLINE_S)
+    assert not thread.is_alive()
+    assert not failed

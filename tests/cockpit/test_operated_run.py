@@ -1,0 +1,280 @@
+"""Whole episodes on the toy task under the person's gate; orders come at given steps."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+
+from sheath_manip.cockpit import (
+    Cockpit,
+    Given,
+    OperatedEnvironment,
+    OperatedExpert,
+    Order,
+    PersonGate,
+)
+from sheath_manip.cockpit.cockpit import Turn
+from sheath_manip.cockpit.lease import LOST_AFTER_S
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.samples import samples_from
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.discarding import DiscardedError, until_kept
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, SupportGate
+from sheath_manip.protocols import Gate
+from sheath_manip.rollout import rollout
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Observation, Outcome, Purpose, Reason
+from tests import toy
+from tests.cockpit.test_cockpit import Clock
+from tests.toy import Corridor, MiddleKeeper, hands, hold
+
+INFO = EpisodeInfo("corridor", 3, Purpose.LEARNING, 50.0)
+PERIOD_S = 1 / 50.0
+LEFT, IDLE = Given(keys=frozenset({"KeyJ"})), Given()
+Script = Mapping[int, Callable[[Cockpit], object]]
+"""by the number of steps done, what is done at the page then"""
+
+
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch) -> None:
+    """Nothing is hit, so that an episode is as long as it is."""
+    monkeypatch.setattr(toy, "HALF_WIDTH_M", 1e3)
+
+
+class Straight:
+    def act(self, observation: Observation):
+        del observation
+        return np.zeros(1, np.float32)
+
+
+class Page:
+    """A listener that plays the page, and lets time pass."""
+
+    def __init__(self, cockpit: Cockpit, clock: Clock, script: Script) -> None:
+        self.cockpit, self.clock, self.script = cockpit, clock, script
+        self.steps = 0
+        self.turns: list[Turn] = []
+
+    def on_fit(self, states) -> None:
+        del states
+
+    def on_start(self, environment, info) -> None:
+        del environment, info
+        self.steps = 0
+        self._play()
+
+    def on_step(self, environment, step) -> None:
+        del environment, step
+        self.steps += 1
+        self.turns.append(self.cockpit.turn)
+        self.clock.s += PERIOD_S
+        self._play()
+
+    def on_end(self, episode) -> None:
+        del episode
+
+    def _play(self) -> None:
+        self.script.get(self.steps, lambda _: None)(self.cockpit)
+
+
+def outside_between(first: int, last: int) -> Gate:
+    """A support gate that is outside in those steps."""
+    return SupportGate(lambda seen: 1 if not first <= seen.features[1] < last else -1, 0.0)
+
+
+def run(
+    script: Script, gate: Gate, steps: int = 12, listeners=(), fallback=None, **options
+) -> tuple[Episode, Page]:
+    clock = Clock()
+    cockpit = Cockpit(hands(Corridor()).guide, clock)
+    environment = Corridor(steps)
+    standing = hold(environment)
+    scripted = MiddleKeeper(environment)
+    stand_ins = {
+        Turn.POLICY: scripted,
+        Turn.HOLD: standing,
+        Turn.FALLBACK: scripted if fallback is None else fallback,
+    }
+    page = Page(cockpit, clock, script)
+    episode = until_kept(
+        lambda *, rng: rollout(
+            OperatedEnvironment(environment, cockpit),
+            INFO,
+            PersonGate(gate, cockpit, 50.0, **{"dead_man": True} | options),
+            rng=rng,
+            policy=Straight(),
+            expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+            listeners=(*listeners, page),
+        ),
+        INFO,
+        lambda _: None,
+    )
+    return episode, page
+
+
+def reasons(episode: Episode) -> list[Reason]:
+    return [step.decision.reason for step in episode.steps]
+
+
+def take(cockpit: Cockpit, given: Given = LEFT) -> None:
+    assert cockpit.order(Order.TAKE_OVER, "page")
+    cockpit.give("page", given)
+
+
+def test_nobody_comes_so_the_robot_holds_and_then_the_fallback_acts():
+    episode, page = run({}, outside_between(3, 9), wait_s=3 * PERIOD_S)
+    waited = [Reason.WAITING] * 3
+    assert reasons(episode)[3:9] == [*waited, *[Reason.NO_ANSWER] * 3]
+    assert set(reasons(episode)[:3] + reasons(episode)[9:]) == {Reason.INSIDE}
+    assert page.turns[3:9] == [Turn.HOLD] * 3 + [Turn.FALLBACK] * 3
+    held = episode.steps[3]
+    assert held.decision.actor is Actor.EXPERT
+    assert held.executed == 0
+    # Who holds teaches nothing, and the policy's states have nobody to label them.
+    taught = [step.label is not None for step in episode.steps]
+    assert taught == [False] * 6 + [True] * 3 + [False] * 3
+    assert len(samples_from([episode])) == 3
+    assert held.decision.score == -1
+
+
+def test_a_fallback_that_only_stands_in_teaches_nothing():
+    fallback = hold(Corridor())
+    options = {"fallback": fallback, "fallback_teaches": False, "wait_s": 0.0}
+    episode, _ = run({}, outside_between(3, 9), **options)
+    assert Reason.WAITING not in reasons(episode)
+    assert all(step.label is None for step in episode.steps)
+
+
+def test_the_person_answers_drives_and_hands_back():
+    script = {
+        5: take,
+        7: lambda page: page.order(Order.HAND_BACK, "page"),
+    }
+    episode, page = run(script, outside_between(3, 6), wait_s=1.0)
+    assert reasons(episode)[3:8] == [*[Reason.WAITING] * 2, *[Reason.PERSON] * 2, Reason.INSIDE]
+    assert page.turns[5:7] == [Turn.PERSON] * 2
+    for step in episode.steps[5:7]:
+        assert step.label == step.executed == pytest.approx(-0.3)
+        assert step.decision.actor is Actor.EXPERT
+
+
+def test_who_hands_back_outside_is_asked_again():
+    script = {2: take, 3: lambda page: page.order(Order.HAND_BACK, "page")}
+    episode, _ = run(script, outside_between(0, 9), wait_s=1.0)
+    assert reasons(episode)[:4] == [Reason.WAITING, Reason.WAITING, Reason.PERSON, Reason.WAITING]
+
+
+def test_a_person_takes_over_at_any_time_and_lets_go_of_the_dead_man():
+    script = {4: take, 6: lambda page: page.give("page", IDLE)}
+    episode, _ = run(script, AlwaysPolicy())
+    assert reasons(episode)[4:] == [*[Reason.PERSON] * 2, *[Reason.IDLE] * 6]
+    assert all(step.executed == 0 for step in episode.steps[6:])
+    assert sum(step.label is not None for step in episode.steps) == 2
+
+
+def test_without_a_dead_man_to_press_nothing_is_an_action():
+    script = {4: lambda page: take(page, IDLE)}
+    episode, _ = run(script, AlwaysPolicy(), dead_man=False)
+    assert set(reasons(episode)[4:]) == {Reason.PERSON}
+    assert all(step.label is not None for step in episode.steps[4:])
+
+
+def test_a_lost_heartbeat_holds_and_then_the_fallback_acts_not_the_policy():
+    episode, page = run({2: take}, AlwaysPolicy(), steps=400, wait_s=1.0)
+    drove = page.turns.count(Turn.PERSON)
+    assert drove * PERIOD_S == pytest.approx(LOST_AFTER_S, abs=2 * PERIOD_S)
+    assert page.turns[2 + drove :][:50] == [Turn.HOLD] * 50
+    assert set(page.turns[2 + drove + 50 :]) == {Turn.FALLBACK}
+    assert Turn.POLICY not in page.turns[2:]
+    assert episode.outcome is Outcome.SUCCESS
+
+
+def test_the_stop_acts_on_the_next_step_and_needs_a_reset():
+    def reset(page: Cockpit) -> None:
+        page.order(Order.RESET, "page")
+        page.order(Order.RESUME, "page")
+
+    script = {3: take, 5: lambda page: page.order(Order.STOP, "a watcher"), 9: reset}
+    episode, _ = run(script, AlwaysPolicy())
+    assert reasons(episode)[3:5] == [Reason.PERSON] * 2
+    assert reasons(episode)[5:9] == [Reason.EMERGENCY_STOP] * 4
+    assert reasons(episode)[9] is Reason.PERSON
+    assert all(step.label is None for step in episode.steps[5:9])
+
+
+@pytest.mark.parametrize(
+    ("order", "outcome", "terminated"),
+    [
+        (Order.SUCCESS, Outcome.SUCCESS, True),
+        (Order.FAILURE, Outcome.FAILURE, True),
+        (Order.SAVE, Outcome.TIME_LIMIT, False),
+    ],
+)
+def test_a_person_ends_the_episode(order, outcome, terminated):
+    episode, _ = run({4: lambda page: page.order(order, "page")}, AlwaysPolicy())
+    assert len(episode) == 5
+    assert (episode.outcome, episode.terminated) == (outcome, terminated)
+    assert episode.truncated is not terminated
+
+
+def test_a_discarded_episode_leaves_nothing_and_is_run_again(tmp_path):
+    store = EpisodeStore.create(tmp_path / "store")
+    discarded = []
+
+    def once(page: Cockpit) -> None:
+        if not discarded:
+            discarded.append(page.order(Order.DISCARD, "page"))
+
+    episode, page = run({4: once}, AlwaysPolicy(), listeners=(Recorder(store),))
+    assert discarded == [True]
+    assert len(store.names()) == 1
+    assert len(page.turns) == 4 + len(episode)
+    assert len(episode) == 12
+
+
+def test_a_simulation_that_cannot_hold_stands_still():
+    """Nothing is recorded while it does; the wait is one of the clock then."""
+
+    class Passing(Clock):
+        """Half a second at each look."""
+
+        def __call__(self) -> float:
+            self.s += 0.25
+            return self.s
+
+    cockpit = Cockpit(hands(Corridor()).guide, Passing())
+    environment = Corridor()
+    scripted = MiddleKeeper(environment)
+    stand_ins = dict.fromkeys(Turn, scripted)
+    gate = PersonGate(outside_between(3, 6), cockpit, 50.0, wait_s=2.0, can_hold=False)
+    episode = rollout(
+        OperatedEnvironment(environment, cockpit),
+        INFO,
+        gate,
+        rng=np.random.default_rng(0),
+        policy=Straight(),
+        expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+    )
+    assert reasons(episode)[3:6] == [Reason.NO_ANSWER] * 3
+    assert len(episode) == 12
+
+
+def test_a_demonstration_by_hand_is_the_persons():
+    episode, _ = run({0: take}, AlwaysExpert(), wait_s=float("inf"))
+    assert set(reasons(episode)) == {Reason.PERSON}
+    assert all(step.label is not None for step in episode.steps[:-1])
+
+
+def test_discarding_ends_the_episode_at_its_next_step():
+    cockpit = Cockpit(hands(Corridor()).guide)
+    environment = OperatedEnvironment(Corridor(), cockpit)
+    environment.reset(0)
+    cockpit.order(Order.DISCARD, "page")
+    cockpit.now()
+    with pytest.raises(DiscardedError):
+        environment.step(np.zeros(1, np.float32))
+
+
+def test_a_wait_below_zero_is_refused():
+    with pytest.raises(ParameterError, match="wait_s is -1"):
+        PersonGate(AlwaysExpert(), Cockpit(), 50.0, wait_s=-1)

@@ -1,0 +1,118 @@
+"""A program that has nothing but the page's websocket grasps and drives; a policy learns of it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
+from sheath_manip.cockpit.cockpit import Turn
+from sheath_manip.dashboard import Dashboard
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.samples import samples_from
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.gates import SupportGate
+from sheath_manip.policies import make_policy
+from sheath_manip.rollout import rollout
+from sheath_manip.task import TaskEntry
+from sheath_manip.types import Action, Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+from tasks.composer_environment import ComposerEnvironment
+from tasks.driving.entry import DRIVING
+from tasks.driving.task import DrivingTask
+from tasks.driving.task import Scenario as DrivingScenario
+from tasks.grasp_clutter.entry import GRASP_CLUTTER
+from tasks.grasp_clutter.scene import EASY
+from tasks.grasp_clutter.task import GraspTask
+from tasks.grasp_clutter.task import Scenario as GraspScenario
+from tools.scripted_person import Absent, Held, ScriptedPerson, at_the_wheel, on_the_sticks
+from tools.station import Station
+
+CALM_STEPS = 4
+"""in which the gate lets the policy act, before it asks for the person"""
+
+
+def operated_episode(
+    task: TaskEntry,
+    inner: ComposerEnvironment,
+    in_its_hands: Callable[[Action], Held],
+    store: EpisodeStore,
+    seed: int,
+) -> Episode:
+    """A policy that does nothing, a gate that soon asks for a person, and a program that comes."""
+    assert task.hands is not None
+    by_hand = task.hands(inner)
+    cockpit = Cockpit(by_hand.guide)
+    can_hold = "hold" in task.stand_ins
+    scripted = task.expert(inner)
+    stand_in = task.make_expert(inner, "hold") if can_hold else scripted
+    spec = inner.spec
+    calm_s = CALM_STEPS / spec.control_rate_hz
+    gate = SupportGate(lambda seen: 1.0 if seen.time_s < calm_s - 1e-6 else -1.0, 0.0)
+    rest = getattr(stand_in, "_rest", lambda: np.zeros(len(spec.action.names), np.float32))
+    with (
+        Dashboard(spec, port=0, cockpit=cockpit) as page,
+        Station(page.address) as station,
+    ):
+        person = ScriptedPerson(station, task.expert(inner), in_its_hands, cockpit)
+        episode = rollout(
+            OperatedEnvironment(inner, cockpit),
+            EpisodeInfo(spec.name, seed, Purpose.LEARNING, spec.control_rate_hz, "person"),
+            PersonGate(
+                gate,
+                cockpit,
+                spec.control_rate_hz,
+                # A car cannot wait: the scripted expert bridges the one step until it is there.
+                wait_s=60.0 if can_hold else 0.0,
+                can_hold=can_hold,
+                dead_man=by_hand.dead_man,
+                fallback_teaches=False,
+            ),
+            rng=np.random.default_rng(0),
+            policy=Absent(rest),
+            expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Turn, stand_in)),
+            listeners=(page, person, Recorder(store)),
+        )
+    assert person.took_over == 1
+    return episode
+
+
+def assert_recorded(store: EpisodeStore, episode: Episode) -> Episode:
+    """The stored episode, whose interventions are the person's and labelled by it."""
+    name = next(iter(store.names()))
+    recorded = store.recorded(name).arrays
+    read = store.read(name)
+    acted = np.array([step.decision.actor is Actor.EXPERT for step in read.steps])
+    assert not acted[:CALM_STEPS].any()
+    assert acted[CALM_STEPS:].all()
+    np.testing.assert_array_equal(recorded["intervention"], acted)
+    by_person = [step for step in read.steps if step.decision.reason is Reason.PERSON]
+    assert len(by_person) > 0.9 * (len(episode) - CALM_STEPS)
+    assert all(step.label is not None for step in by_person)
+    assert sum(step.label is not None for step in read.steps) == len(by_person)
+    return read
+
+
+def test_a_grasp(tmp_path: Path):
+    inner = ComposerEnvironment(GraspTask(GraspScenario(difficulty=EASY, cameras=())))
+    store = EpisodeStore.create(tmp_path / "store")
+    episode = operated_episode(GRASP_CLUTTER, inner, on_the_sticks, store, seed=5)
+    assert episode.outcome is Outcome.SUCCESS
+    assert_recorded(store, episode)
+    assert any(step.limited for step in episode.steps)
+    inner.close()
+
+
+@pytest.mark.slow
+def test_a_lap_from_which_a_policy_learns(tmp_path: Path):
+    inner = ComposerEnvironment(DrivingTask(DrivingScenario()))
+    store = EpisodeStore.create(tmp_path / "store")
+    episode = operated_episode(DRIVING, inner, at_the_wheel, store, seed=5)
+    assert episode.outcome is Outcome.SUCCESS
+    assert episode.metrics["laps"] == 1.0
+    states = samples_from([assert_recorded(store, episode)])
+    policy = make_policy("hog-svm", inner.spec, seed=0).fit(states)
+    right = (np.abs(policy.predict(states.images, states.features) - states.labels) < 1e-3).mean()
+    most = max((states.labels == choice).mean() for choice in np.unique(states.labels))
+    assert right > most + 0.1
+    inner.close()

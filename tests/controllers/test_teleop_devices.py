@@ -1,0 +1,186 @@
+"""What each device makes of what a page may send, which is anything."""
+
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from controllers.teleop.arm import ArmHands
+from controllers.teleop.buttons import ButtonHands
+from controllers.teleop.device import Device
+from controllers.teleop.gamepad import GamepadDevice
+from controllers.teleop.gizmo import Gizmo, pose_of, transform_of
+from controllers.teleop.keys import GUIDE, Keys
+from controllers.teleop.six_axes import SixAxesDevice
+from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
+from sheath_manip.cockpit.guide import Binding
+from sheath_manip.cockpit.spacemouse import SpaceMouse, six_axes
+from sheath_manip.exceptions import SetupError
+from tasks.driving.entry import DRIVING
+from tasks.platformer.entry import PLATFORMER
+from tasks.robots.drive import TWIST_SCALE
+from tests.waiting import eventually
+
+HERE = np.eye(4)
+HERE[:3, 3] = 0.4, 0.0, 0.3
+DEVICES: dict[str, Device] = {
+    "keys": Keys(),
+    "gamepad": GamepadDevice(),
+    "gizmo": Gizmo(lambda: HERE, TWIST_SCALE),
+    "six axes": SixAxesDevice(),
+}
+share = st.floats(-1, 1)
+anything = st.builds(
+    Given,
+    st.frozensets(st.sampled_from([code for binding in GUIDE for code in binding.codes])),
+    st.none() | st.builds(Gamepad, st.tuples(share, share, share, share), st.frozensets(
+        st.integers(0, 31)
+    )),
+    st.none() | st.lists(st.floats(-10, 10), min_size=7, max_size=7).map(np.array),
+    st.none() | st.builds(SixAxes, st.lists(share, min_size=6, max_size=6).map(np.array)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DEVICES)
+@given(anything)
+@settings(max_examples=60, deadline=None)
+def test_a_motion_is_finite_and_within_its_shares(name, given):
+    motion = DEVICES[name].motion(given)
+    assert motion.twist.shape == (6,)
+    assert np.isfinite(motion.twist).all()
+    assert np.abs(motion.twist).max() <= 1 + 1e-9
+    assert motion.grip in (None, -1.0, 1.0)
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_nothing_given_is_a_dead_man_let_go(name):
+    assert not DEVICES[name].motion(Given()).dead_man
+
+
+def arm() -> ArmHands:
+    rest = np.array([0, 0, 0, 0, 0, 0, 0.3], np.float32)
+    return ArmHands(lambda: HERE, rest.copy, TWIST_SCALE)
+
+
+@given(anything)
+@settings(max_examples=60, deadline=None)
+def test_an_arms_action_is_within_its_bounds(given):
+    action = arm().action(given)
+    assert action.dtype == np.float32
+    assert np.isfinite(action).all()
+    assert np.abs(action).max() <= 1
+
+
+def test_devices_add_up_and_what_they_leave_open_stays():
+    pad = Gamepad((0.0, 0.0, 0.0, -1.0), frozenset({4}))
+    action = arm().action(Given(frozenset({"KeyI"}), pad))
+    np.testing.assert_allclose(action, [0.6, 0, 1, 0, 0, 0, 0.3], atol=1e-6)
+    np.testing.assert_allclose(arm().action(Given()), [0, 0, 0, 0, 0, 0, 0.3], atol=1e-6)
+
+
+def test_a_fine_key_slows_down_and_opposite_keys_cancel():
+    keys = Keys()
+    assert keys.motion(Given(frozenset({"KeyI", "KeyB"}))).twist[0] == pytest.approx(0.15)
+    both = keys.motion(Given(frozenset({"KeyI", "KeyK", "KeyN"})))
+    assert not both.twist.any()
+    assert both.grip == 1.0
+    assert both.dead_man
+    assert not keys.motion(Given(frozenset({"KeyB"}))).dead_man
+
+
+def test_sticks_want_the_shoulder_button_and_leave_their_dead_zone():
+    pushed = (0.0, -1.0, 0.0, 0.09)
+    assert not GamepadDevice().motion(Given(pad=Gamepad(pushed, frozenset({0})))).dead_man
+    motion = GamepadDevice().motion(Given(pad=Gamepad(pushed, frozenset({4, 1}))))
+    np.testing.assert_allclose(motion.twist, [1, 0, 0, 0, 0, 0])
+    assert motion.grip == -1.0
+
+
+def test_the_gizmo_leads_the_tool_in_a_straight_line():
+    goal = pose_of(HERE)
+    goal[:3] += 0.2, 0.4, 0.0
+    twist = DEVICES["gizmo"].motion(Given(goal=goal)).twist
+    np.testing.assert_allclose(twist, [0.5, 1, 0, 0, 0, 0], atol=1e-9)
+    goal[:3] -= 0.1999, 0.3999, 0.0
+    assert np.abs(DEVICES["gizmo"].motion(Given(goal=goal)).twist).max() < 0.01
+
+
+def test_poses_there_and_back():
+    pose = np.array([0.1, 0.2, 0.3, 0.5, 0.5, 0.5, 0.5])
+    np.testing.assert_allclose(pose_of(transform_of(pose)), pose, atol=1e-12)
+
+
+def test_a_car_and_a_player_by_keys_and_by_gamepad():
+    assert DRIVING.hands is not None
+    assert PLATFORMER.hands is not None
+    wheel, player = DRIVING.hands(None), PLATFORMER.hands(None)
+    assert isinstance(wheel, ButtonHands)
+    left = wheel.action(Given(frozenset({"KeyJ"})))
+    assert left[0] == np.float32(np.deg2rad(15.0))
+    assert wheel.action(Given(pad=Gamepad((0.9, 0, 0, 0), frozenset())))[0] == -left[0]
+    assert wheel.action(Given(frozenset({"KeyJ", "KeyL"})))[0] == 0
+    run = player.action(Given(frozenset({"KeyL", "KeyI"}), Gamepad((0, 0, 0, 0), frozenset({2}))))
+    assert run.tolist() == [0, 1, 1, 1]
+    assert player.action(Given(frozenset({"KeyJ", "KeyL"}))).tolist() == [0, 0, 0, 0]
+
+
+class Reading(SimpleNamespace):
+    """As pyspacemouse has it: x right, y forward, z up."""
+
+
+def reading(**axes: float) -> Reading:
+    return Reading(**dict.fromkeys(("x", "y", "z", "roll", "pitch", "yaw"), 0.0) | axes)
+
+
+def test_a_spacemouse_in_the_world_frame():
+    state = reading(y=1.0, x=0.05, z=float("nan"))
+    state.buttons = [0, 1]
+    axes = six_axes(state)
+    assert axes.twist.tolist() == [1, 0, 0, 0, 0, 0]
+    assert axes.buttons == (False, True)
+    state.buttons = []
+    assert six_axes(state).buttons == (False, False)
+
+
+def test_a_spacemouse_drives_for_who_has_taken_over(monkeypatch):
+    state = reading(z=-0.5)
+    state.buttons = [1, 0]
+    closed = []
+    device = SimpleNamespace(read=lambda: state, close=lambda: closed.append(True))
+    module = ModuleType("pyspacemouse")
+    module.open = lambda: device  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pyspacemouse", module)
+    cockpit = Cockpit((Binding(("KeyI",), "on"),))
+    with SpaceMouse(cockpit):
+        cockpit.order(Order.TAKE_OVER, "page")
+
+        def driven() -> bool:
+            cockpit.give("page", Given())
+            now = cockpit.now()
+            return now.given is not None and now.given.held
+
+        assert eventually(driven)
+        action = arm().action(cockpit.given)
+        np.testing.assert_allclose(action, [0, 0, -0.5, 0, 0, 0, 1], atol=1e-6)
+    assert closed == [True]
+
+
+@pytest.mark.parametrize("opened", [None, OSError("no hid device")])
+def test_a_spacemouse_that_is_not_there_is_said_so(monkeypatch, opened):
+    module = ModuleType("pyspacemouse")
+
+    def open_device():
+        if isinstance(opened, OSError):
+            raise opened
+        return opened
+
+    module.open = open_device  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pyspacemouse", module)
+    with pytest.raises(SetupError, match="SpaceMouse"):
+        SpaceMouse(Cockpit())
+    monkeypatch.setitem(sys.modules, "pyspacemouse", None)
+    with pytest.raises(SetupError, match=r"\[spacemouse\]"):
+        SpaceMouse(Cockpit())

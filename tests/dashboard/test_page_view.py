@@ -1,0 +1,250 @@
+"""What a person does on the pages with a mouse and the arrow keys, in one Chromium."""
+
+import threading
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from playwright.sync_api import Locator, Page
+
+from sheath_manip.cli.pacing import Pacing
+from sheath_manip.dashboard import Dashboard, Replay
+from sheath_manip.dashboard.film import film_of
+from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
+from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dataset.marks import Marks
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.films.making import exported
+from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial
+from sheath_manip.gates.support import SupportGate
+from sheath_manip.rollout import rollout
+from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Outcome, Purpose, Transition
+from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive
+from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
+
+pytestmark = pytest.mark.browser
+
+
+class EndlessRoad(RingRoad):
+    """Until there was enough."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.enough = threading.Event()
+
+    def step(self, action: NDArray[np.float32]) -> Transition:
+        return replace(super().step(action), truncated=self.enough.is_set())
+
+
+class StraightOn:
+    """Both policy and expert."""
+
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: Observation) -> Action:
+        del observation
+        return np.zeros(1, np.float32)
+
+
+def slider(page: Page, place: int) -> Locator:
+    """Of those to be seen, from above: viser gives them no name."""
+    return page.get_by_role("slider").nth(place)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> EpisodeStore:
+    store = EpisodeStore.create(tmp_path / "store")
+    for index in range(2):
+        episode = drive(RingRoad(), 150)
+        store.append(replace(episode, info=replace(episode.info, index=index)))
+    return store
+
+
+@pytest.fixture
+def replay(store: EpisodeStore) -> Iterator[Replay]:
+    shelf, environment = Shelf(store), RingRoad()
+
+    def film_at(place: int):
+        return film_of(environment, shelf.read(place))
+
+    with Replay(
+        SPEC,
+        shelf,
+        film_at,
+        lambda place, kind: exported(film_at(place), None, kind),
+        port=0,
+        token=TOKEN,
+    ) as page:
+        run = threading.Thread(target=page.run, args=(0,), daemon=True)
+        run.start()
+        yield page
+    run.join(TIMEOUT_S)
+    assert not run.is_alive()
+
+
+def test_replay_scrubs_jumps_marks_and_exports(
+    browser_page: Page, replay: Replay, store: EpisodeStore, tmp_path: Path
+) -> None:
+    page, player = browser_page, replay.player
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    open_dashboard(page, replay.address)
+    # It plays by itself.
+    wait_until(lambda: player.now.at > 3, "moving replay", page)
+    page.get_by_text("Policy acts").or_(page.get_by_text("Expert acts")).first.wait_for()
+
+    slider(page, 0).press("End")
+    wait_until(lambda: player.now.at == 149 and not player.now.playing, "scrubbing", page)
+    page.get_by_text("episode over").wait_for()
+    slider(page, 0).press("Home")
+    wait_until(lambda: player.now.at == 0, "scrubbing back", page)
+
+    film = player.now.film
+    assert film is not None
+    starts = [start for start, _ in film.trace.so_far().turns]
+    first_later = next(start for start in starts if start > 0)
+    page.get_by_role("button", name="next ›").click()
+    wait_until(lambda: player.now.at == first_later, "jump to an intervention", page)
+    page.get_by_text("Expert acts").wait_for()
+
+    page.get_by_role("tab", name="Marks").click()
+    page.get_by_role("button", name="begins here").click()
+    page.get_by_role("button", name="10 »").click()
+    wait_until(lambda: player.now.at == first_later + 10, "ten steps on", page)
+    page.get_by_role("button", name="ends here").click()
+    name = store.names()[0]
+    bad = ((first_later, first_later + 11),)
+    wait_until(lambda: store.marks(name).bad == bad, "mark in the store", page)
+    page.get_by_role("combobox", name="Outcome").click()
+    page.get_by_role("option", name="failure").click()
+    wait_until(lambda: store.marks(name) == Marks(Outcome.FAILURE, bad), "outcome", page)
+
+    with page.expect_download() as downloading:
+        page.get_by_role("button", name="html").click()
+    saved = tmp_path / "episode.html"
+    downloading.value.save_as(saved)
+    assert downloading.value.suggested_filename == f"{name}.html"
+
+    page.get_by_role("tab", name="Episodes").click()
+    page.get_by_role("button", name="next ›").locator("visible=true").last.click()
+    wait_until(lambda: player.now.place == 1, "the other episode", page)
+    assert not errors
+
+    requests: list[str] = []
+    page.on("request", lambda request: requests.append(request.url))
+    page.goto(saved.as_uri())
+    page.wait_for_function("document.getElementById('film').readyState >= 2")
+    assert page.locator("#turns button").count() == len(starts)
+    page.locator("#turns button").nth(starts.index(first_later)).click()
+    page.wait_for_function(f"document.getElementById('scrub').value == {first_later}")
+    assert not errors
+    assert {url.partition(":")[0] for url in requests} <= {"file", "data"}
+    # A name that looks like markup is text there, too.
+    assert page.locator("b").count() == 0
+
+
+def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
+    page, environment = browser_page, EndlessRoad()
+    dial = Dial(Boundary(lambda _: 0.5, threshold=0.0, lowest=-1.0, highest=1.0))
+    fitted: list[tuple[float, str]] = []
+
+    def refit(nu: float) -> Boundary:
+        fitted.append((nu, threading.current_thread().name))
+        return Boundary(lambda _: -2.0, threshold=-0.5, lowest=-3.0, highest=3.0)
+
+    gate = (
+        partial(ThresholdSlider, dial=dial),
+        partial(NuSlider, dial=dial, refit=refit, nu=0.1),
+    )
+    info = EpisodeInfo(SPEC.name, 1, Purpose.LEARNING, SPEC.control_rate_hz, method="sheath")
+    with Dashboard(SPEC, port=0, token=TOKEN, gate=gate) as dashboard:
+
+        def run_episode() -> None:
+            rollout(
+                environment,
+                info,
+                Adjustable(SupportGate(lambda _: 0.5, 0.0), dial),
+                rng=np.random.default_rng(0),
+                policy=StraightOn(),
+                expert=StraightOn(),
+                listeners=(dashboard, Pacing()),
+            )
+
+        def acts(actor: Actor, threshold: float) -> bool:
+            moment = dashboard._latest()
+            decision = moment.step.decision if moment and moment.step else None
+            return decision is not None and (decision.actor, decision.threshold) == (
+                actor,
+                threshold,
+            )
+
+        run = threading.Thread(target=run_episode, daemon=True)
+        run.start()
+        open_dashboard(page, dashboard.address)
+        page.get_by_role("tab", name="Support").click()
+        wait_until(lambda: acts(Actor.POLICY, 0.0), "policy", page)
+        slider(page, 0).press("End")
+        wait_until(lambda: acts(Actor.EXPERT, 1.0), "expert after the threshold rose", page)
+        page.get_by_text("Expert acts").wait_for()
+        # While somebody drives, who watches moves nothing.
+        assert dashboard.cockpit.lease.take("somebody")
+        slider(page, 0).press("Home")
+        page.wait_for_timeout(300)
+        assert acts(Actor.EXPERT, 1.0)
+        dashboard.cockpit.lease.release("somebody")
+        slider(page, 0).press("Home")
+        wait_until(lambda: acts(Actor.POLICY, -1.0), "policy after the threshold fell", page)
+        slider(page, 1).press("ArrowRight")
+        wait_until(lambda: acts(Actor.EXPERT, -0.5), "the refitted support's gate", page)
+        assert fitted == [(pytest.approx(0.105), "support refit")]
+        environment.enough.set()
+        run.join(TIMEOUT_S)
+    assert not run.is_alive()
+
+
+def test_one_looks_back_while_the_run_goes_on(browser_page: Page) -> None:
+    page, environment = browser_page, EndlessRoad()
+    info = EpisodeInfo(SPEC.name, 1, Purpose.LEARNING, SPEC.control_rate_hz, method="sheath")
+
+    def score(observation: Observation) -> float:
+        return float(np.sin(3 * observation.time_s))
+
+    with Dashboard(SPEC, port=0, token=TOKEN) as dashboard:
+
+        def run_episode() -> None:
+            rollout(
+                environment,
+                info,
+                SupportGate(score, 0.0),
+                rng=np.random.default_rng(0),
+                policy=StraightOn(),
+                expert=StraightOn(),
+                listeners=(dashboard, Pacing()),
+            )
+
+        def shown() -> tuple[int, bool]:
+            moment = dashboard._latest()
+            return (-1, True) if moment is None else (moment.at, moment.present)
+
+        run = threading.Thread(target=run_episode, daemon=True)
+        run.start()
+        open_dashboard(page, dashboard.address)
+        wait_until(lambda: shown()[0] > 60, "steps", page)
+        page.get_by_role("button", name="‹ before").click()
+        wait_until(lambda: not shown()[1], "look back", page)
+        moment = dashboard._latest()
+        assert moment is not None
+        assert moment.at in [start for start, _ in moment.trace.turns]
+        wait_until(lambda: len(dashboard._film or ()) > moment.at + 40, "run going on", page)
+        assert shown() == (moment.at, False)
+        page.get_by_role("button", name="Back to the present").click()
+        wait_until(lambda: shown()[1], "the present", page)
+        assert shown()[0] > moment.at + 30
+        environment.enough.set()
+        run.join(TIMEOUT_S)
+    assert not run.is_alive()
