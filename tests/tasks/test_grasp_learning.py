@@ -11,7 +11,7 @@ from rich.console import Console
 
 from sheath_manip.experiments.learning import run_experiment
 from tasks.grasp_clutter.entry import GRASP_CLUTTER, make
-from tasks.grasp_clutter.task import Scenario
+from tasks.grasp_clutter.task import GraspTask, Scenario
 from tasks.robots.jaco import JACO_WITH_JAW
 
 
@@ -30,14 +30,15 @@ def test_the_mirrored_arm_does_the_mirrored_thing():
     assert mirror is not None
     environment.reset(0)
     task, physics = environment.task, environment.physics
+    assert isinstance(task, GraspTask)
     joints = np.array([0.2, -1.5, 1.9, 1.0, 0.1, 0.3])
     action = np.array([0.3, 0.5, -0.2, 0.1, 0.2, 0.4, -1.0], np.float32)
     reached = []
     for sign_joints, sign_action in ((1.0, 1.0), (np.array(mirror.features[:6]), mirror.action)):
         task.lay(physics, task.scene, joints * sign_joints)
-        for _ in range(5):
-            observation = environment.step(action * np.float32(sign_action)).observation
-        reached.append(observation.features)
+        wanted = (action * np.asarray(sign_action)).astype(np.float32)
+        seen = [environment.step(wanted).observation.features for _ in range(5)]
+        reached.append(seen[-1])
     environment.close()
     np.testing.assert_allclose(reached[1], reached[0] * mirror.features, atol=2e-3)
 
