@@ -67,7 +67,7 @@ class Checkpoint:
         if isinstance(self.signal, JoinedSignal):
             parts = self.signal.parts(images, observation.features[None])
             least = min(parts, key=lambda name: float(parts[name][0]))
-            return Reason.RISK if least == "precedent" else Reason.OUTSIDE
+            return Reason.OUTSIDE if least == "support" else Reason.RISK
         return Reason.RISK if isinstance(self.signal, PrecedentSignal) else Reason.OUTSIDE
 
     def scores(self, samples: Samples) -> NDArray[np.float64]:

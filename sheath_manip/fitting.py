@@ -7,7 +7,7 @@ from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Agreement, Policy, Signal
+from sheath_manip.protocols import Agreement, Policy, Refits, Signal
 from sheath_manip.signals import make_signal, planned_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
@@ -100,7 +100,10 @@ def with_nu(
         )
     choice = replace(choice, hyperparameters={**choice.hyperparameters, "nu": nu})
     signal = make_signal(choice).load(checkpoint.policy, checkpoint.signal.arrays())
-    signal.refit(states).calibrate(calibration)
+    if not isinstance(signal, Refits):
+        raise ParameterError(f"the signal {choice.signal} has no support to be fitted anew")
+    signal.refit(states)
+    signal.calibrate(calibration)
     fitted = replace(checkpoint, signal_choice=choice, signal=signal)
     held_out = [fitted.scores(episode) for episode in calibration]
     rate = checkpoint.false_alarm_rate

@@ -202,13 +202,6 @@ class Signal(Protocol):
         """Fit to the training `states` of `policy`, and look through that policy from now on."""
         ...
 
-    def refit(self, states: Samples) -> Self:
-        """Fit again to `states` what needs neither policy nor embedding fitted again.
-
-        Raises ParameterError where that cannot be done.
-        """
-        ...
-
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """Learn what held-out expert episodes, that no fit has seen, look like."""
         ...
@@ -228,6 +221,15 @@ class Signal(Protocol):
 
     def load(self, policy: Policy, arrays: Arrays) -> Self:
         """Take over a learned state on top of `policy`."""
+        ...
+
+
+@runtime_checkable
+class Refits(Protocol):
+    """A signal with something that can be fitted again on policy and embedding as they are."""
+
+    def refit(self, states: Samples) -> Self:
+        """Fit it to the training `states`; raises ParameterError where that cannot be done."""
         ...
 
 

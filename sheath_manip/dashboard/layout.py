@@ -67,7 +67,7 @@ def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting)
     """The page of recorded episodes."""
     following = _following(spec)
     return Layout(
-        world=(partial(SceneView, following=following), Surfaces, Trail, Cameras),
+        world=(partial(SceneView, following=following), Surfaces, Lines, Trail, Cameras),
         head=(Trouble, Banner, partial(Transport, player=player)),
         tabs={
             "Episode": (

@@ -3,11 +3,12 @@
 import threading
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.dataset.samples import Samples, samples_from
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Episode, Outcome
 
 MOST_STATES_OF = 40
@@ -66,9 +67,15 @@ class Shelf:
             self._marks[place] = marks
 
     def training(self) -> Samples | None:
-        """Labelled states of the first episodes, without images; None where nothing is labelled."""
-        some = self._names[:MOST_STATES_OF]
+        """Labelled states of the first episodes, without images; None where nothing is labelled.
+
+        Damaged episodes are passed over: who looks at another one need not care.
+        """
+        episodes = []
+        for name in self._names[:MOST_STATES_OF]:
+            with suppress(StoreError):
+                episodes.append(self._store.read(name, need_images=False))
         try:
-            return samples_from(self._store.read_many(some, need_images=False))
+            return samples_from(episodes)
         except ParameterError:
             return None

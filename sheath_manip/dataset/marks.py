@@ -35,6 +35,10 @@ class Marks:
             bad[start:stop] = True
         return bad
 
+    def bad_steps(self, length: int) -> int:
+        """How many of `length` steps are not to be learned from, whatever a header claims."""
+        return sum(min(stop, length) - min(start, length) for start, stop in self.bad)
+
     def with_bad(self, start: int, stop: int) -> "Marks":
         """The same with one more bad stretch; raises ParameterError for an empty one."""
         if not 0 <= start < stop:

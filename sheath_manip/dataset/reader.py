@@ -93,7 +93,7 @@ class EpisodeReader(ABC):
             length=header.length,
             outcome=marks.outcome or header.outcome,
             recorded_outcome=header.outcome,
-            bad_steps=int(marks.is_bad(header.length).sum()),
+            bad_steps=marks.bad_steps(header.length),
             expert_share=header.expert_steps / header.length,
             queries=header.queries,
             metrics=header.metrics,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.parts import part, prefixed
-from sheath_manip.protocols import Agreement, Arrays, Policy, Signal
+from sheath_manip.protocols import Agreement, Arrays, Policy, Refits, Signal
 
 LEAST_SHARE = 1e-3
 """added to every p: a few thousand steps say no more of what is rarer"""
@@ -55,9 +55,10 @@ class JoinedSignal:
         return self
 
     def refit(self, states: Samples) -> Self:
-        """Refit every signal; joined as before, until `calibrate`."""
+        """Refit the signals that can be; joined as before, until `calibrate`."""
         for signal in self.signals.values():
-            signal.refit(states)
+            if isinstance(signal, Refits):
+                signal.refit(states)
         return self
 
     def calibrate(self, episodes: Sequence[Samples]) -> Self:

@@ -46,11 +46,6 @@ class PrecedentSignal:
             self.embedding.transform(states.images, states.features), np.asarray(states.labels)
         )
 
-    def refit(self, states: Samples) -> Self:
-        """Distances have no parameters to be fitted."""
-        del states
-        return self
-
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """A distance needs no held-out states."""
         del episodes

@@ -12,6 +12,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.gauze_cutting.claims import CLAIMS
 from tasks.gauze_cutting.expert import GauzeExpert, task_of
+from tasks.gauze_cutting.probes import PROBES
 from tasks.gauze_cutting.scene import CALM
 from tasks.gauze_cutting.steering import HEADING_CHANGE
 from tasks.gauze_cutting.task import GauzeTask, Scenario
@@ -83,4 +84,5 @@ GAUZE_CUTTING = TaskEntry(
     },
     picture=picture,
     claims=CLAIMS,
+    probes=PROBES,
 )

@@ -1,5 +1,8 @@
 """The scripted expert: follows the circle as the deformed sheet shows it, from any state."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sheath_manip.types import Action, Observation
 from tasks.composer_environment import ComposerEnvironment
 from tasks.gauze_cutting.guide import along_circle
@@ -17,16 +20,19 @@ class GauzeExpert:
     """Sees the mesh, and how fast it and the blade move. It remembers nothing."""
 
     def __init__(self, environment: ComposerEnvironment) -> None:
-        self._task = task_of(environment)
+        self.task = task_of(environment)
 
     def reset(self) -> None:
         """Nothing to forget."""
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
         """(2,) as the task's action spec has it."""
-        task = self._task
+        return self.task.scenario.steering.action_for(self.velocity_m_s(), self.task.heading)
+
+    def velocity_m_s(self) -> NDArray[np.float64]:
+        """(2,) that it asks for now, world frame."""
+        task = self.task
         lie = task.workpiece.lie()
         place = task.knife.place(lie, task.tip_m)
         drift = task.workpiece.velocity_m_s(place.corners)[:2]
-        wanted = along_circle(lie, place.material_m, task.tip_velocity_m_s[:2], drift)
-        return task.scenario.steering.action_for(wanted, task.heading)
+        return along_circle(lie, place.material_m, task.tip_velocity_m_s[:2], drift)

@@ -78,8 +78,6 @@ class Pool:
             present = slot in self.slots
             model.geom_contype[geoms] = model.geom_conaffinity[geoms] = int(present)
             model.body_gravcomp[self.bodies[slot]] = 0.0 if present else 1.0
-            # Who looks from anywhere must not see it under the table.
-            model.geom_rgba[geoms, 3] = float(present)
         for slot, each in zip(self.slots, scene.objects, strict=True):
             self._shape(slot, each)
         # What MuJoCo derives from masses and inertias.

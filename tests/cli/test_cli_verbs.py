@@ -5,17 +5,22 @@ import sys
 import types
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from sheath_manip.checkpoint import load_checkpoint
 from sheath_manip.cli import experiment as experiment_verb
 from sheath_manip.cli import pacing
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
 from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.gates.plan import PLANS
+from sheath_manip.fitting import with_nu
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.rollout import rollout
 from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.signals.joined import JoinedSignal
+from sheath_manip.trained_on import trained_on
 from sheath_manip.types import Actor, EpisodeInfo, Purpose
 from tests.toy import CORRIDOR, PLAN, Corridor, MiddleKeeper
 
@@ -136,6 +141,33 @@ def test_dashboard_shows_expert_and_policy(sheath, made):
     assert "?token=" in out
     assert out.count("success") == 2
     assert sheath(*argv, 1, "--checkpoint", made / "first.npz")[0] == 0
+
+
+def test_dashboard_knows_what_the_checkpoint_was_trained_on(sheath, complaint, made, tmp_path):
+    argv = ("dashboard", "corridor", "--port", 0, "--speed", 20, "--episodes", 1)
+    argv = (*argv, "--checkpoint", made / "first.npz", "--store")
+    assert sheath(*argv, made / "store")[0] == 0
+    few = EpisodeStore.create(tmp_path / "few")
+    few.copy_from(EpisodeStore(made / "store"), EpisodeStore(made / "store").names()[0])
+    assert "wanted at least 1 and 3" in complaint(*argv, few.path)
+
+
+def test_nu_fits_the_support_anew(made):
+    checkpoint = load_checkpoint(made / "first.npz", Corridor().spec)
+    seen = trained_on(EpisodeStore(made / "store"), checkpoint)
+    assert len(seen.calibration) == 3
+    states = seen.states
+    inside = {}
+    for nu in (0.05, 0.5):
+        fitted = with_nu(checkpoint, states, seen.calibration, nu)
+        assert fitted.signal_choice.hyperparameters["nu"] == nu
+        assert np.isfinite(fitted.threshold)
+        assert isinstance(fitted.signal, JoinedSignal)
+        support = fitted.signal.signals["support"]
+        inside[nu] = float((support.scores(states.images, states.features) >= 0).mean())
+    # nu bounds the share outside, so at least half stays inside.
+    assert 0.5 <= inside[0.5] < inside[0.05]
+    assert inside[0.05] >= 0.95
 
 
 @pytest.mark.parametrize("which", ["0", "-1"])

@@ -1,14 +1,12 @@
 """What the policy sees, in a window of its own."""
 
-import math
-import time
-
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.seldom import Seldom
 
 WIDTH_PX = 220
 MARGIN_PX = 15
@@ -20,7 +18,7 @@ class Cameras:
 
     def __init__(self, desk: Desk) -> None:
         gui, cameras = desk.viser.gui, desk.spec.cameras
-        self._drawn_s = -math.inf
+        self._seldom = Seldom(RATE_HZ)
         self._images: dict[str, viser.GuiImageHandle] = {}
         if not cameras:
             return
@@ -36,20 +34,12 @@ class Cameras:
 
     def draw(self, moment: Moment) -> None:
         """Show what was seen before the shown step."""
-        if moment.step is None or not self._due(moment):
+        if moment.step is None or not self._seldom.due(moment):
             return
         for name, image in moment.step.observation.images.items():
             if name in self._images:
                 self._images[name].image = _enlarged(image)
                 self._images[name].visible = True
-
-    def _due(self, moment: Moment) -> bool:
-        """Encoding images is the dearest part of a drawing, so a moving picture has fewer."""
-        now_s = time.monotonic()
-        due = not moment.present or moment.paused or now_s - self._drawn_s >= 1 / RATE_HZ
-        if due:
-            self._drawn_s = now_s
-        return due
 
 
 def _enlarged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

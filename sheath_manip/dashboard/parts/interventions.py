@@ -56,10 +56,10 @@ class Interventions:
 
     def draw(self, moment: Moment) -> None:
         """List what the shown episode has."""
-        turns = moment.trace.turns[-LISTED:]
-        self._starts = [start for start, _ in turns]
+        turns = list(enumerate(moment.trace.turns, 1))[-LISTED:]
+        self._starts = [start for _, (start, _) in turns]
         self._at = moment.at
-        options = tuple(_line(moment.trace, *turn) for turn in turns) or (NONE,)
+        options = tuple(_line(number, moment.trace, *turn) for number, turn in turns) or (NONE,)
         if options != self._options:
             self._list.options = self._options = options
         self._back.visible = self._has_present and not moment.present
@@ -75,6 +75,8 @@ class Interventions:
                 self._look_at(earlier[-1])
 
 
-def _line(trace: Trace, start: int, stop: int) -> str:
+def _line(number: int, trace: Trace, start: int, stop: int) -> str:
+    """Begins with its number, so that no two are alike; one that may still grow has no length."""
     reason = REASONS[trace.reason[start]].value
-    return f"{trace.time_s[start]:.1f} s · {reason} · {stop - start} steps"
+    length = f" · {stop - start} steps" if stop < len(trace) else ""
+    return f"{number} · {trace.time_s[start]:.1f} s · {reason}{length}"

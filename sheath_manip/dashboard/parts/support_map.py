@@ -8,12 +8,14 @@ from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.seldom import Seldom
 from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
 from sheath_manip.types import Actor
 
 TRAIL_STEPS = 300
+RATE_HZ = 6.0
 NO_TRAINING = "The support appears here with the first training states."
 
 
@@ -27,6 +29,7 @@ class SupportMap:
         gui.add_html(caption("Support", self._chart.title))
         self._image = gui.add_image(np.zeros((1, 1, 3), np.uint8), jpeg_quality=85, visible=False)
         self._note = gui.add_html(note(NO_TRAINING))
+        self._seldom = Seldom(RATE_HZ)
         self._training: Samples | None = None
         self._positions = np.zeros((0, 2))
         self._levels: PlaneLevels | None = None
@@ -51,7 +54,7 @@ class SupportMap:
                 SupportPicture(ground, self._positions, self._levels) if drawable else None
             )
             self._picture_of = (moment.scene, self._training)
-        if self._picture is not None:
+        if self._picture is not None and self._seldom.due(moment):
             self._image.image = self._picture.draw(self._track_until(moment))
             self._image.visible = True
             self._note.content = _legend() if self._levels is not None else note(NO_TRAINING)
