@@ -26,6 +26,7 @@ from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Listener
 from sheath_manip.results import EXPERT, round_path, round_results, write_json
 from sheath_manip.task import TaskEntry
+from sheath_manip.types import Purpose
 
 PREPARE = ""
 """stands for the method of the job that collects the demonstrations of a seed"""
@@ -120,7 +121,12 @@ def _summary(
         for name in plan.methods
     }
     store = EpisodeStore(runs / "store")
-    expert = [record_of(e) for e in store.episodes(method=EXPERT, need_images=False)]
+    expert = [
+        record_of(episode)
+        for episode in store.episodes(method=EXPERT, need_images=False)
+        # Whom a push made fail says nothing of the expert.
+        if plan.demonstration_noise == 0 or episode.info.purpose is not Purpose.DEMONSTRATION
+    ]
     environment = task.make_for_run(plan.variant, plan.seeds[0])
     environment.close()
     return summarise(task.name, plan, results, expert, command, wall_s, environment.spec.metric)
