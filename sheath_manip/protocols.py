@@ -143,6 +143,15 @@ class Policy(Proposer, Protocol):
         ...
 
 
+@runtime_checkable
+class HasOwnFrame(Policy, Protocol):
+    """A policy that sees and acts in a frame of its own, in which alone actions compare."""
+
+    def in_own_frame(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
+        """(n, a) `actions` of the task, in the frame that (n, f) `features` say."""
+        ...
+
+
 class Embedding(Protocol):
     """Maps observations to the vectors on which the support is estimated, scaling included."""
 

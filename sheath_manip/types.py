@@ -132,6 +132,23 @@ class Mirror:
     """(a,) likewise of each dimension of an action"""
 
 
+@dataclass(frozen=True, eq=False)
+class ToolFrame:
+    """The frame of a tool that moves in a plane which a camera sees, turned as the tool heads."""
+
+    camera: str
+    px_of_plane: NDArray[np.float64]
+    """(3, 3) homography: (x, y, 1) in the plane, metres in the world frame, to (column, row, 1) of
+    the image, up to a factor"""
+    position: tuple[str, str]
+    """features: x and y of the tool"""
+    heading: tuple[str, str]
+    """features: cosine and sine of the way it heads, from x towards y"""
+    vector: tuple[str, str] | tuple[()]
+    """dimensions of an action that are the x and y of a vector in the world frame; empty where none
+    are"""
+
+
 @dataclass(frozen=True)
 class TaskSpec:
     """What the core is told about a task."""
@@ -153,6 +170,8 @@ class TaskSpec:
     """None: the whole scene, from above"""
     mirror: Mirror | None = None
     """left for right, where robot, cameras and scenes know no difference"""
+    tool_frame: ToolFrame | None = None
+    """from which the task looks the same wherever the tool is"""
 
 
 @dataclass(frozen=True, eq=False)

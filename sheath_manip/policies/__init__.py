@@ -14,6 +14,7 @@ from sheath_manip.policies.convolutional_embeddings import (
     RandomConvolutions,
     TwoScaleConvolutions,
 )
+from sheath_manip.policies.egocentric import EgocentricPolicy
 from sheath_manip.policies.features import Features, ScaledFeatures
 from sheath_manip.policies.hog_svm import HogSvm
 from sheath_manip.policies.linear_svm import LinearSvm
@@ -23,6 +24,7 @@ from sheath_manip.policies.side_by_side import SideBySide
 from sheath_manip.policies.smile import SmileMixture
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions, ImagePoints
+from sheath_manip.policies.tool_view_embedding import SeenFromTool
 from sheath_manip.policies.weighted_features import WeightedFeatures
 from sheath_manip.protocols import Embedding, Policy
 from sheath_manip.types import TaskSpec
@@ -35,6 +37,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "plain-cnn": _plain_policy,
     "paper-cnn": partial(_plain_policy, channels=(16,)),
     "spatial-cnn": SpatialPolicy,
+    "egocentric-cnn": EgocentricPolicy,
     "hog-svm": HogSvm,
     "linear-svm": LinearSvm,
     # Ross et al. 2011 and the draft.
@@ -90,11 +93,19 @@ SPATIAL_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "pixels-and-features": lambda: _and_features(Pixels(Whitening(), side=12)),
 }
 """of `spatial-cnn`, which looks through several cameras and at features"""
+TOOL_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
+    "tool-points": lambda: SeenFromTool(ImagePoints()),
+    "tool-points-whitened": lambda: SeenFromTool(ImagePoints(Whitening())),
+    "tool-convolutions": lambda: SeenFromTool(CameraConvolutions()),
+    "tool-convolutions-whitened": lambda: SeenFromTool(CameraConvolutions(Whitening())),
+    "tool-pixels": lambda: SeenFromTool(Pixels(Whitening(), side=12)),
+}
+"""of `egocentric-cnn`"""
 FEATURE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
     "features": Features,
     "weighted-features": WeightedFeatures,
 }
-EMBEDDINGS = IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | FEATURE_EMBEDDINGS
+EMBEDDINGS = IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | TOOL_EMBEDDINGS | FEATURE_EMBEDDINGS
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
 
@@ -115,5 +126,5 @@ def make_embedding(name: str = DEFAULT_EMBEDDING) -> Embedding:
 
 def embeddings_like(name: str) -> list[str]:
     """All that look at the same part of the observation as the one of that name."""
-    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, FEATURE_EMBEDDINGS)
+    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
     return next(list(table) for table in tables if name in table)

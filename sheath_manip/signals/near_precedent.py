@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.parts import part, prefixed
-from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
+from sheath_manip.protocols import Agreement, Arrays, Embedding, HasOwnFrame, Policy
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024
@@ -44,9 +44,10 @@ class NearPrecedentSignal:
         vectors = self.embedding.fit(policy, states).transform(states.images, states.features)
         spread = float(vectors.var(axis=0, dtype=np.float64).sum())
         self.unit_ = np.float32(1 / np.sqrt(spread) if spread > 0 else 1.0)
-        moved = np.maximum(np.ptp(states.labels, axis=0), 1e-6)
+        labels = self._seen(states.labels, states.features)
+        moved = np.maximum(np.ptp(labels, axis=0), 1e-6)
         self.action_units_ = np.asarray(np.sqrt(self.action_weight) / moved, np.float32)
-        return self._take(self._joined(vectors, states.labels))
+        return self._take(self._joined(vectors, labels))
 
     def refit(self, states: Samples) -> Self:
         """Distances have no parameters to be fitted."""
@@ -62,9 +63,8 @@ class NearPrecedentSignal:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float64]:
         """(n,) minus the distance: 0 on a training state where the policy does as labelled."""
-        joined = self._joined(
-            self.embedding.transform(images, features), self.policy.predict(images, features)
-        )
+        actions = self._seen(self.policy.predict(images, features), features)
+        joined = self._joined(self.embedding.transform(images, features), actions)
         parts = [
             self._distances(joined[first : first + BATCH]) for first in range(0, len(joined), BATCH)
         ]
@@ -86,6 +86,11 @@ class NearPrecedentSignal:
         self.unit_ = np.float32(arrays["unit"])
         self.action_units_ = np.asarray(arrays["action_units"], np.float32)
         return self._take(arrays["joined"])
+
+    def _seen(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
+        """As the policy sees them."""
+        policy = self.policy
+        return policy.in_own_frame(actions, features) if isinstance(policy, HasOwnFrame) else actions
 
     def _joined(self, vectors: NDArray, actions: NDArray) -> NDArray[np.float32]:
         return np.concatenate(

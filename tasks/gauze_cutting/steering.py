@@ -17,6 +17,8 @@ class Steering(ABC):
     """An action space. Velocities and headings are (2,) in the world frame; headings are 1 long."""
 
     action: ActionSpec
+    vector: tuple[str, str] | tuple[()]
+    """dimensions of an action that are a vector in the world frame"""
 
     @abstractmethod
     def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:
@@ -37,6 +39,7 @@ class PlanarVelocity(Steering):
         tolerance=0.1,
     )
     """as shares of `TOP_SPEED_M_S`"""
+    vector = ("velocity_x", "velocity_y")
 
     def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:  # noqa: ARG002
         """In proportion."""
@@ -57,6 +60,7 @@ class HeadingChange(Steering):
         tolerance=0.1,
     )
     """as shares of `TOP_SPEED_M_S`, and of `TOP_TURN_RAD`, to the left"""
+    vector = ()
 
     def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:
         """Along the turned heading."""

@@ -10,7 +10,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import Commanded, FirstView, Line, Outcome, Surface, TaskSpec
+from sheath_manip.types import Commanded, FirstView, Line, Outcome, Surface, TaskSpec, ToolFrame
 from tasks.composer_environment import SheathTask
 from tasks.gauze_cutting.bench import BenchArena
 from tasks.gauze_cutting.drawn import lines_of, surface_of
@@ -21,6 +21,7 @@ from tasks.gauze_cutting.posing import joints_for, planar_twist
 from tasks.gauze_cutting.scene import DEFAULT, Difficulty, Scene, draw_scene
 from tasks.gauze_cutting.steering import PLANAR_VELOCITY, Steering
 from tasks.gauze_cutting.workpiece import Workpiece
+from tasks.projection import px_of_horizontal_plane
 from tasks.rendering import PyramidCamera
 from tasks.robots.drive import TWIST_SCALE, RobotDrive
 from tasks.robots.filtering import command_filter
@@ -105,10 +106,11 @@ class GauzeTask(SheathTask):
             control_rate_hz=1 / CONTROL_TIMESTEP_S,
             action=self.scenario.steering.action,
             cameras=cameras,
-            feature_names=(*(f"tool_{axis}_m" for axis in "xyz"), "heading_cos", "heading_sin"),
+            feature_names=(*_PLANE, "tool_z_m", *_HEADING),
             max_steps=max_steps,
             metric="iou",
-            plane=("tool_x_m", "tool_y_m"),
+            plane=_PLANE,
+            tool_frame=self._tool_frame() if CAMERA in self.scenario.cameras else None,
             first_view=FirstView(0.13, azimuth_deg=145.0, elevation_deg=40.0),
         )
 
@@ -322,6 +324,17 @@ class GauzeTask(SheathTask):
         executed = self.scenario.steering.action_for(velocity, self._steered_by)
         return Commanded(executed, of_arm.limited)
 
+    def _tool_frame(self) -> ToolFrame:
+        camera = self._arena.mjcf_model.find("camera", CAMERA)
+        sheet_m = CENTRE_M[2] - _SAG_M
+        return ToolFrame(
+            camera=CAMERA,
+            px_of_plane=px_of_horizontal_plane(camera, IMAGE_PX, sheet_m),
+            position=_PLANE,
+            heading=_HEADING,
+            vector=self.scenario.steering.vector,
+        )
+
     def _turn(self, moved_m: NDArray) -> None:
         """Note how the tip has moved; the heading follows it."""
         self._velocity = moved_m / CONTROL_TIMESTEP_S
@@ -333,5 +346,9 @@ class GauzeTask(SheathTask):
         return np.concatenate([physics.data.ptr.site_xpos[self._tip], self._heading])
 
 
+_PLANE = ("tool_x_m", "tool_y_m")
+_HEADING = ("heading_cos", "heading_sin")
+_SAG_M = 0.002
+"""of the plane that the blade's way is seen in, below the clips"""
 _STILL_M = 5e-5
 """that a tip moves in a step without showing a heading"""

@@ -1,0 +1,82 @@
+"""The continuous image policy, looking from the tool instead of at the whole image."""
+
+from collections.abc import Mapping
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.policies.spatial_cnn import SpatialPolicy
+from sheath_manip.policies.tool_view import ToolView
+from sheath_manip.protocols import Arrays
+from sheath_manip.types import Action, Observation, TaskSpec
+
+
+class EgocentricPolicy:
+    """Regresses in the tool's frame what is to be done there."""
+
+    def __init__(
+        self,
+        spec: TaskSpec,
+        side_px: int = 64,
+        px_m: float = 0.0008,
+        shift_px: int = 1,
+        feature_noise: float = 0.1,
+        **settings: Any,
+    ) -> None:
+        """Store the hyperparameters; ParameterError for a task without a tool in a plane.
+
+        Args:
+            spec: of the task.
+            side_px: of the image around the tool.
+            px_m: side of one of its pixels.
+            shift_px: of `SpatialPolicy`; the tool is where it is, so little.
+            feature_noise: likewise.
+            settings: further ones of `SpatialPolicy`.
+        """
+        self.spec = spec
+        self.view = ToolView(spec, side_px, px_m)
+        self.seeing = SpatialPolicy(
+            self.view.spec, shift_px=shift_px, feature_noise=feature_noise, **settings
+        )
+        """what it sees from the tool it leaves to this one"""
+
+    def fit(self, samples: Samples) -> Self:
+        """Fit to (n, a) labels; ParameterError for none."""
+        self.seeing.fit(self.view.samples(samples))
+        return self
+
+    def predict(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, a) actions within their bounds, for (n, h, w, 3) images by camera."""
+        camera = self.view.frame.camera
+        seen = {camera: self.view.images(images[camera], features)}
+        actions = self.seeing.predict(seen, self.view.features(features))
+        low, high = self.spec.action.minimum, self.spec.action.maximum
+        return np.clip(self.view.actions_in_world(actions, features), low, high)
+
+    def act(self, observation: Observation) -> Action:
+        """(a,) the action for one observation, within its bounds."""
+        images = {name: image[None] for name, image in observation.images.items()}
+        return self.predict(images, observation.features[None])[0]
+
+    def in_own_frame(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
+        """(n, a) `actions` as seen from the tool."""
+        return self.view.actions(actions, features)
+
+    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+        """(n,) the largest deviation of any dimension from its label, as a share of its range."""
+        predicted = self.predict(samples.images, samples.features)
+        return largest_deviations(self.spec.action, predicted, samples.labels)
+
+    def arrays(self) -> Arrays:
+        """Those of the policy that sees."""
+        return self.seeing.arrays()
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
+        self.seeing.load(arrays)
+        return self
