@@ -13,6 +13,10 @@ from sheath_manip.policies.tool_view import ToolView
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Action, Observation, TaskSpec
 
+SETTINGS: Mapping[str, Any] = {"shift_px": 1, "feature_noise": 0.1}
+"""of the `SpatialPolicy`, where none are given: the tool stands still in its own view, and what is
+left of the features is no habit that could be learned instead of looking"""
+
 
 class EgocentricPolicy:
     """Regresses in the tool's frame what is to be done there."""
@@ -22,9 +26,8 @@ class EgocentricPolicy:
         spec: TaskSpec,
         side_px: int = 64,
         px_m: float = 0.0008,
-        shift_px: int = 1,
-        feature_noise: float = 0.1,
-        **settings: Any,
+        spatial_settings: Mapping[str, Any] | None = None,
+        seed: int = 0,
     ) -> None:
         """Store the hyperparameters; ParameterError for a task without a tool in a plane.
 
@@ -32,15 +35,17 @@ class EgocentricPolicy:
             spec: of the task.
             side_px: of the image around the tool.
             px_m: side of one of its pixels.
-            shift_px: of `SpatialPolicy`; the tool is where it is, so little.
-            feature_noise: likewise.
-            settings: further ones of `SpatialPolicy`.
+            spatial_settings: hyperparameters of the `SpatialPolicy` that looks at it.
+            seed: of its weights and batches.
         """
         self.spec = spec
+        self.side_px = side_px
+        self.px_m = px_m
+        self.spatial_settings = dict(spatial_settings or {})
+        self.seed = seed
         self.view = ToolView(spec, side_px, px_m)
-        self.seeing = SpatialPolicy(
-            self.view.spec, shift_px=shift_px, feature_noise=feature_noise, **settings
-        )
+        settings = {**SETTINGS, **self.spatial_settings}
+        self.seeing = SpatialPolicy(self.view.spec, seed=seed, **settings)
         """what it sees from the tool it leaves to this one"""
 
     def fit(self, samples: Samples) -> Self:

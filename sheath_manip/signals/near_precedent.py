@@ -90,7 +90,9 @@ class NearPrecedentSignal:
     def _seen(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
         """As the policy sees them."""
         policy = self.policy
-        return policy.in_own_frame(actions, features) if isinstance(policy, HasOwnFrame) else actions
+        return (
+            policy.in_own_frame(actions, features) if isinstance(policy, HasOwnFrame) else actions
+        )
 
     def _joined(self, vectors: NDArray, actions: NDArray) -> NDArray[np.float32]:
         return np.concatenate(

@@ -11,6 +11,7 @@ from sheath_manip.policies import (
     FEATURE_EMBEDDINGS,
     IMAGE_EMBEDDINGS,
     SPATIAL_EMBEDDINGS,
+    TOOL_EMBEDDINGS,
     embeddings_like,
     make_embedding,
     make_policy,
@@ -18,7 +19,7 @@ from sheath_manip.policies import (
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.protocols import Policy
 from sheath_manip.support import OneClassSupport
-from tests import buttons, reach
+from tests import buttons, line, reach
 from tests.blobs import fitted_policy, held_out, training
 
 SPATIAL = (
@@ -42,6 +43,8 @@ def policy_and_states(name: str) -> tuple[Policy, Samples, Samples]:
         return linear_policy(), buttons.training(), buttons.held_out()
     if name in SPATIAL_EMBEDDINGS:
         return reach.fitted_policy(), reach.training(), reach.held_out()
+    if name in TOOL_EMBEDDINGS:
+        return line.fitted_policy(), line.training(), line.held_out()
     return fitted_policy("cnn"), training(), held_out()
 
 
@@ -142,6 +145,12 @@ def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones
         assert roc_auc_score(truth, np.concatenate([natural, unseen])) > 0.95
 
 
+@pytest.mark.parametrize("name", sorted(TOOL_EMBEDDINGS))
+def test_only_an_egocentric_policy_sees_from_the_tool(name):
+    with pytest.raises(ParameterError, match="needs the policy egocentric-cnn, not SpatialPolicy"):
+        make_embedding(name).fit(reach.fitted_policy(), reach.training())
+
+
 def test_a_camera_that_is_not_there_is_named():
     embedding = CameraConvolutions(cameras=("elbow",))
     with pytest.raises(ParameterError, match="no camera 'elbow'; it has above, wrist"):
@@ -193,7 +202,9 @@ def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
     assert embeddings_like("pixels") == list(IMAGE_EMBEDDINGS)
     assert embeddings_like("features") == list(FEATURE_EMBEDDINGS)
     assert embeddings_like("image-points") == list(SPATIAL_EMBEDDINGS)
-    assert list(EMBEDDINGS) == [*IMAGE_EMBEDDINGS, *SPATIAL_EMBEDDINGS, *FEATURE_EMBEDDINGS]
+    assert embeddings_like("tool-points") == list(TOOL_EMBEDDINGS)
+    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
+    assert list(EMBEDDINGS) == [name for table in tables for name in table]
 
 
 def test_unknown_name():

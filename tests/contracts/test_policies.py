@@ -12,15 +12,21 @@ from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import POLICIES, make_policy
 from sheath_manip.protocols import Policy
-from sheath_manip.types import Observation, TaskSpec
-from tests import blobs, buttons, reach
+from sheath_manip.types import ActionSpec, Observation, TaskSpec
+from tests import blobs, buttons, line, reach
 
 # Others are fitted in one stroke.
 EPOCHS = {"epochs": 2}
-STEPS = reach.SETTINGS | {"steps": 4, "warm_steps": 2}
-QUICK = {"cnn": EPOCHS, "plain-cnn": EPOCHS, "paper-cnn": EPOCHS, "spatial-cnn": STEPS}
+STEPS = {"steps": 4, "warm_steps": 2}
+QUICK = {
+    "cnn": EPOCHS,
+    "plain-cnn": EPOCHS,
+    "paper-cnn": EPOCHS,
+    "spatial-cnn": reach.SETTINGS | STEPS,
+    "egocentric-cnn": {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
+}
 OF_FEATURES = ("linear-svm", "linear-svm-paper", "smile")
-CONTINUOUS = ("spatial-cnn",)
+CONTINUOUS = ("spatial-cnn", "egocentric-cnn")
 every_policy = pytest.mark.parametrize("name", sorted(POLICIES))
 every_classifier = pytest.mark.parametrize("name", sorted(set(POLICIES) - set(CONTINUOUS)))
 every_regressor = pytest.mark.parametrize("name", CONTINUOUS)
@@ -39,18 +45,58 @@ class Toy:
     """a spec without what the policy looks at"""
     complaint: str
     """what is then said"""
+    another: dict[str, Any]
+    """a spec for which what was learned is of no use"""
+    refusal: str
+    """what is then said"""
 
 
-SEEN = Toy(blobs.SPEC, blobs.blob_samples, np.array([0.02]), {"cameras": {}}, "no camera")
-PRESSED = Toy(
-    buttons.SPEC, buttons.button_samples, np.full(2, 0.2), {"feature_names": ()}, "no features"
+def _of_two_choices(spec: TaskSpec) -> ActionSpec:
+    assert spec.action.choices is not None
+    return replace(spec.action, choices=spec.action.choices[:2])
+
+
+SEEN = Toy(
+    blobs.SPEC,
+    blobs.blob_samples,
+    np.array([0.02]),
+    {"cameras": {}},
+    "no camera",
+    {"action": _of_two_choices(blobs.SPEC)},
+    r"2 choices|wanted 2",
 )
-REACHED = Toy(reach.SPEC, reach.reach_samples, np.zeros(2), {"cameras": {}}, "no camera")
+PRESSED = Toy(
+    buttons.SPEC,
+    buttons.button_samples,
+    np.full(2, 0.2),
+    {"feature_names": ()},
+    "no features",
+    {"feature_names": buttons.SPEC.feature_names[:3]},
+    r"wanted \(2, 4\)",
+)
+REACHED = Toy(
+    reach.SPEC,
+    reach.reach_samples,
+    np.zeros(2),
+    {"cameras": {}},
+    "no camera",
+    {"feature_names": reach.SPEC.feature_names[:1]},
+    "1 features",
+)
+FOLLOWED = Toy(
+    line.SPEC,
+    line.line_samples,
+    np.zeros(2),
+    {"tool_frame": None},
+    "no tool frame",
+    {"feature_names": (*line.SPEC.feature_names, "force_n")},
+    "2 features",
+)
 
 
 def toy(name: str) -> Toy:
     if name in CONTINUOUS:
-        return REACHED
+        return REACHED if name == "spatial-cnn" else FOLLOWED
     return PRESSED if name in OF_FEATURES else SEEN
 
 
@@ -63,7 +109,7 @@ def held_out(name: str) -> Samples:
 def fitted_policy(name: str) -> Policy:
     """Fitted once for all tests, which must not fit it again."""
     if name in CONTINUOUS:
-        return reach.fitted_policy(name)
+        return (reach if name == "spatial-cnn" else line).fitted_policy(name)
     if name not in OF_FEATURES:
         return blobs.fitted_policy(name)
     return make_policy(name, buttons.SPEC).fit(buttons.training())
@@ -75,7 +121,7 @@ def quick(name: str) -> dict[str, Any]:
 
 def shape(name: str) -> dict[str, Any]:
     """What a policy must be given to take over what `fitted_policy` learned."""
-    return reach.SETTINGS if name in CONTINUOUS else {}
+    return {"spatial-cnn": reach.SETTINGS, "egocentric-cnn": line.SETTINGS}.get(name, {})
 
 
 def observation_of(samples: Samples, index: int) -> Observation:
@@ -216,15 +262,6 @@ def test_a_classifier_wants_a_list_of_actions(name):
 
 @every_policy
 def test_refuses_what_was_learned_for_another_task(name):
-    spec = toy(name).spec
-    choices = spec.action.choices
-    if name in CONTINUOUS:
-        other, complaint = replace(spec, feature_names=spec.feature_names[:1]), "1 features"
-    elif name in OF_FEATURES:
-        other, complaint = replace(spec, feature_names=spec.feature_names[:3]), r"wanted \(2, 4\)"
-    else:
-        assert choices is not None
-        other = replace(spec, action=replace(spec.action, choices=choices[:2]))
-        complaint = r"2 choices|wanted 2"
-    with pytest.raises(ParameterError, match=complaint):
+    other = replace(toy(name).spec, **toy(name).another)
+    with pytest.raises(ParameterError, match=toy(name).refusal):
         make_policy(name, other, **shape(name)).load(fitted_policy(name).arrays())
