@@ -33,6 +33,9 @@ class TaskEntry:
     stand_ins: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
     """by name, from the environment: who acts in the expert's place where there is none, such as
     `hold`"""
+    references: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
+    """by name, from the environment: who learns nothing, to hold the experiment's methods against
+    on the final scenes"""
     hands: Callable[[Any], Hands] | None = None
     """from the environment: how a person's devices drive it; None where nobody can"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)

@@ -16,6 +16,7 @@ from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.figures import FIGURES, write_figures
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.references import Reference, reference_jobs, references
 from sheath_manip.experiments.resuming import require_same_plan
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
@@ -89,8 +90,10 @@ def run_experiment(
     EpisodeStore.create(runs / "store")
     stopwatch = Stopwatch(runs / "wall.json")
 
-    jobs = [Job(task, plan, runs, seed, PREPARE) for seed in plan.seeds]
-    with shown_progress(console, plan.units(), stopwatch) as report:
+    held_against = reference_jobs(task, plan, runs)
+    jobs = [*(Job(task, plan, runs, seed, PREPARE) for seed in plan.seeds), *held_against]
+    units = plan.units() + plan.final * len(held_against)
+    with shown_progress(console, units, stopwatch) as report:
         run_jobs(jobs, _next_jobs, workers, report, listeners)
     wall_s = stopwatch.tick(force=True)
     summary = _summary(task, plan, runs, command, wall_s)
@@ -102,8 +105,10 @@ def run_experiment(
     return summary
 
 
-def _next_jobs(done: Job) -> list[Job]:
+def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
     """What can start after `done`: a seed's methods, then those that follow another's share."""
+    if isinstance(done, Reference):
+        return []
     plan = done.plan
     methods = [method_named(name) for name in plan.methods]
     wanted = None if done.method == PREPARE else done.method
@@ -129,7 +134,16 @@ def _summary(
     ]
     environment = task.make_for_run(plan.variant, plan.seeds[0])
     environment.close()
-    return summarise(task.name, plan, results, expert, command, wall_s, environment.spec.metric)
+    return summarise(
+        task.name,
+        plan,
+        results,
+        expert,
+        command,
+        wall_s,
+        environment.spec.metric,
+        references(task, runs),
+    )
 
 
 def _figures(

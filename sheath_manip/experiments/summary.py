@@ -28,6 +28,7 @@ def summarise(
     command: str,
     wall_s: float,
     metric: str | None = None,
+    references: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Everything that an experiment showed, as plain values that JSON keeps; null stands for NaN.
 
@@ -39,6 +40,7 @@ def summarise(
         command: that runs the experiment again.
         wall_s: what it took.
         metric: `TaskSpec.metric`; the first one of the expert's episodes where it is not given.
+        references: figures on the final scenes of those who learn nothing, by name.
     """
     expert = _figures(expert_records)
     metric = metric or next(iter(expert["metric"]), None)
@@ -55,6 +57,7 @@ def summarise(
             "plan": plan.described(),
             "metric": metric,
             "expert": expert,
+            "references": references or {},
             "methods": by_method,
         }
     )

@@ -33,6 +33,11 @@ def table(summary: Mapping[str, Any]) -> Table:
         grid.add_column(header, justify="right", vertical="top")
     expert = summary["expert"]
     grid.add_row("expert", _rate(expert), _mean(expert, metric), end_section=True)
+    others = summary.get("references", {})
+    for number, (name, figures) in enumerate(others.items(), 1):
+        dashes = ["–"] * 8
+        last = number == len(others)
+        grid.add_row(name, *dashes, _mean(figures, metric), end_section=last)
     for name, method in summary["methods"].items():
         overall, last = method["overall"], method["rounds"][-1]
         grid.add_row(

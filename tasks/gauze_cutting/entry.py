@@ -12,6 +12,7 @@ from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
 from tasks.gauze_cutting.claims import CLAIMS
 from tasks.gauze_cutting.expert import GauzeExpert, task_of
+from tasks.gauze_cutting.open_loops import blind, registered
 from tasks.gauze_cutting.probes import PROBES
 from tasks.gauze_cutting.scene import CALM
 from tasks.gauze_cutting.steering import HEADING_CHANGE
@@ -36,16 +37,14 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 
 
 _FULL = LearningPlan(
-    policy="spatial-cnn",
-    policy_settings={"steps": 1000, "warm_steps": 400},
+    policy="egocentric-cnn",
+    policy_settings={"spatial_settings": {"steps": 800, "warm_steps": 300}},
     signal="near-joined",
-    embedding="image-points",
-    precedent_embedding="image-points",
+    embedding="tool-points",
+    precedent_embedding="tool-points",
     refit_unused=False,
     minimum_hold_steps=5,
-    demonstrations=30,
-    # The expert never leaves the line by itself: without a push nothing shows the way back to it.
-    demonstration_noise=0.1,
+    demonstrations=20,
     calibration=15,
     check=8,
     rounds=5,
@@ -70,7 +69,7 @@ GAUZE_CUTTING = TaskEntry(
         "full": _FULL,
         "quick": replace(
             _FULL,
-            policy_settings={"steps": 40, "warm_steps": 10},
+            policy_settings={"spatial_settings": {"steps": 40, "warm_steps": 10}},
             methods=("dagger", "sheath"),
             seeds=(0,),
             demonstrations=4,
@@ -82,6 +81,7 @@ GAUZE_CUTTING = TaskEntry(
             final=1,
         ),
     },
+    references={"registered": registered, "blind": blind},
     picture=picture,
     claims=CLAIMS,
     probes=PROBES,

@@ -194,3 +194,20 @@ def test_the_revision_says_whether_files_differ(tmp_path):
 def test_a_single_value_is_shown_without_an_interval():
     assert with_interval(0.5, mean_interval(np.array([0.5]))) == "0.50"
     assert "±" in with_interval(0.5, mean_interval(np.array([0.25, 0.75])))
+
+
+def test_who_learns_nothing_is_beside_the_methods(summary, results, capsys):
+    figures = summary["methods"]["sheath"]["final"]
+    held_against = summarise(
+        "driving",
+        PLAN,
+        results,
+        expert_records_of(PLAN),
+        "sheath experiment driving",
+        1.0,
+        references={"by a plan": figures},
+    )
+    assert summary["references"] == {}
+    assert held_against["references"] == {"by a plan": figures}
+    Console(width=80).print(table(held_against))
+    assert "by a plan" in capsys.readouterr().out

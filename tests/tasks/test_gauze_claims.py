@@ -1,14 +1,15 @@
 """The claims of gauze cutting find their numbers in a summary of an experiment's shape."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
 
 from sheath_manip.claims import verdicts
 from sheath_manip.experiments.summary import summarise
-from sheath_manip.metrics import EpisodeRecord
+from sheath_manip.metrics import EpisodeRecord, figures_of
+from sheath_manip.results import plain
 from sheath_manip.types import Outcome
 from tasks.gauze_cutting.entry import GAUZE_CUTTING
 from tests.experiments.round_results import round_result
@@ -49,7 +50,16 @@ def broken(directory: Path, wall_s: float = 3600.0, **changed: tuple[float, floa
             for number in range(SETTINGS.rounds + 1)
         ]
     expert = records(0.0, 1.0, 0.99)
-    summary = summarise("gauze-cutting", SETTINGS, results, expert, "sheath", wall_s)
+    registered = plain(asdict(figures_of(records(0.0, 0.17, 0.94))))
+    summary = summarise(
+        "gauze-cutting",
+        SETTINGS,
+        results,
+        expert,
+        "sheath",
+        wall_s,
+        references={"registered": registered},
+    )
     (directory / "gauze-cutting").mkdir(parents=True)
     (directory / "gauze-cutting" / "summary.json").write_text(json.dumps(summary))
     found = verdicts(directory, {"gauze-cutting": GAUZE_CUTTING.claims})
@@ -72,7 +82,11 @@ def test_good_results_break_no_claim(tmp_path):
         (
             "sheath",
             (20, 0, 0.0),
-            ["discs that SHEATH's final policy frees alone", "IoU of those discs"],
+            [
+                "discs that SHEATH's final policy frees alone",
+                "discs that SHEATH's final policy frees alone, those of the registered open loop",
+                "IoU of those discs",
+            ],
         ),
     ],
 )
