@@ -12,9 +12,9 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.durable import publish, sync
+from sheath_manip.dataset.durable import Files, publish_files, sync
 from sheath_manip.dataset.faults import Fault, FaultKind
-from sheath_manip.dataset.group import read_array, write_group
+from sheath_manip.dataset.group import episode_files, read_array
 from sheath_manip.dataset.header import Header, header_of, read_header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
@@ -42,6 +42,8 @@ FREE_BYTES_KEPT = 200_000_000
 """A disk filled to the brim takes more down with it than one recording."""
 LONGEST_NAME = 255
 """characters in the name of a directory, on the usual file systems"""
+Publish = Callable[[Files, Path, Path], None]
+"""writes files into a new directory aside and gives it its name, as `publish_files` does"""
 
 
 class EpisodeStore(EpisodeReader):
@@ -74,8 +76,10 @@ class EpisodeStore(EpisodeReader):
             ) from error
         return cls(path)
 
-    def append(self, episode: Episode) -> str:
+    def append(self, episode: Episode, publish: Publish | None = None) -> str:
         """Write `episode`, synced to the disk on return, and give its name.
+
+        `publish` writes it in place of this process.
 
         Raises StoreError, with nothing changed, where an episode of that name exists (ask `has`
         first), where an executed or labelled action is not finite, where the steps' arrays disagree
@@ -84,9 +88,9 @@ class EpisodeStore(EpisodeReader):
         if self._directory(episode.info).exists():
             raise _taken(self.path, episode_name(episode.info))
         header = header_of(episode)
-        return self.adopt(Recorded(header, arrays_of(episode, header)))
+        return self.adopt(Recorded(header, arrays_of(episode, header)), publish)
 
-    def adopt(self, recorded: Recorded) -> str:
+    def adopt(self, recorded: Recorded, publish: Publish | None = None) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
 
         Raises StoreError as `append` does.
@@ -103,8 +107,7 @@ class EpisodeStore(EpisodeReader):
                 "check actions with ActionSpec.validated"
             )
         require_sound(header, arrays)
-        needed_bytes = sum(array.nbytes for array in arrays.values())
-        self._publish(name, needed_bytes, lambda aside: write_group(aside, header, arrays))
+        self._publish(name, episode_files(header, arrays), publish)
         return name
 
     def copy_from(self, source: EpisodeReader, name: str) -> None:
@@ -112,14 +115,7 @@ class EpisodeStore(EpisodeReader):
 
         Raises StoreError as `append` does, and where `source` cannot give it.
         """
-        files = source.files(name)
-
-        def write(aside: Path) -> None:
-            for file in files:
-                (aside / file).parent.mkdir(parents=True, exist_ok=True)
-                (aside / file).write_bytes(source.content(name, file))
-
-        self._publish(name, sum(files.values()), write)
+        self._publish(name, {file: source.content(name, file) for file in source.files(name)})
         self.mark(name, source.marks(name))
 
     def marks(self, name: str) -> Marks:
@@ -153,13 +149,12 @@ class EpisodeStore(EpisodeReader):
         except OSError as error:
             raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
 
-    def _publish(self, name: str, needed_bytes: int, write: Callable[[Path], None]) -> None:
-        """Let `write` fill a directory aside, then give it its name."""
+    def _publish(self, name: str, files: Files, publish: Publish | None = None) -> None:
+        """Write `files` into a directory aside, then give it its name."""
         aside = self._aside()
         try:
-            self._require_space(needed_bytes)
-            write(aside)
-            publish(aside, self.path / name)
+            self._require_space(sum(map(len, files.values())))
+            (publish or publish_files)(files, aside, self.path / name)
         except FileExistsError as error:
             raise _taken(self.path, name) from error
         except OSError as error:
