@@ -7,7 +7,7 @@ import pytest
 
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.check import check
-from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.dataset.store import EpisodeStore, Publish
 from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
 from sheath_manip.types import Episode
@@ -30,9 +30,9 @@ def test_at_the_end_all_is_on_the_disk(store: EpisodeStore) -> None:
 def test_the_next_episode_runs_meanwhile(store: EpisodeStore, monkeypatch) -> None:
     go, append = threading.Event(), store.append
 
-    def slow(episode: Episode) -> str:
+    def slow(episode: Episode, publish: Publish) -> str:
         assert go.wait(DEADLINE_S)
-        return append(episode)
+        return append(episode, publish)
 
     monkeypatch.setattr(store, "append", slow)
     with BackgroundRecorder(store) as recorder:
