@@ -38,6 +38,11 @@ class WriterProcess:
             start_new_session=True,
         )
 
+    @property
+    def process_id(self) -> int:
+        """Of the operating system's."""
+        return self._process.pid
+
     def publish(self, files: Files, aside: Path, final: Path) -> None:
         """As `publish_files`; raises OSError also where the process is gone."""
         requests, answers = self._process.stdin, self._process.stdout
