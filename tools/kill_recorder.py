@@ -28,6 +28,7 @@ import numpy as np
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import StoreError
@@ -163,7 +164,7 @@ def kill_recorder(
 
 
 def record_for_ever(path: Path, run: int) -> None:
-    """Record until killed, naming each episode on stdout once `append` has returned.
+    """Record until killed, naming each episode on stdout once it is stored.
 
     Before that it names the process that writes.
     """
@@ -171,7 +172,7 @@ def record_for_ever(path: Path, run: int) -> None:
     print(READY, writer.process_id, flush=True)
     for index in count():
         episode = synthetic_episode(synthetic_info(run, index))
-        print(store.append(episode, writer.publish), flush=True)
+        print(store.adopt(recorded_of(episode), writer.publish), flush=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

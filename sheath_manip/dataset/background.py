@@ -5,6 +5,7 @@ from types import TracebackType
 from typing import Self
 
 from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import StoreError
@@ -31,7 +32,9 @@ class BackgroundRecorder(Recorder):
     def on_end(self, episode: Episode) -> None:
         """Begin to append the episode; raises StoreError where the one before could not be."""
         self._wait()
-        self._written = self._thread.submit(self.store.append, episode, self._writer.publish)
+        # Not in the thread: it would take turns with the simulation at every row.
+        recorded = recorded_of(episode)
+        self._written = self._thread.submit(self.store.adopt, recorded, self._writer.publish)
 
     def __enter__(self) -> Self:
         return self

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.durable import Files, publish_files, sync
 from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.group import episode_files, read_array
-from sheath_manip.dataset.header import Header, header_of, read_header
+from sheath_manip.dataset.header import Header, read_header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.marks import (
@@ -30,8 +30,8 @@ from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episod
 from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import (
-    arrays_of,
     not_finite,
+    recorded_of,
     require_layout,
     require_sound,
 )
@@ -76,10 +76,8 @@ class EpisodeStore(EpisodeReader):
             ) from error
         return cls(path)
 
-    def append(self, episode: Episode, publish: Publish | None = None) -> str:
+    def append(self, episode: Episode) -> str:
         """Write `episode`, synced to the disk on return, and give its name.
-
-        `publish` writes it in place of this process.
 
         Raises StoreError, with nothing changed, where an episode of that name exists (ask `has`
         first), where an executed or labelled action is not finite, where the steps' arrays disagree
@@ -87,12 +85,12 @@ class EpisodeStore(EpisodeReader):
         """
         if self._directory(episode.info).exists():
             raise _taken(self.path, episode_name(episode.info))
-        header = header_of(episode)
-        return self.adopt(Recorded(header, arrays_of(episode, header)), publish)
+        return self.adopt(recorded_of(episode))
 
     def adopt(self, recorded: Recorded, publish: Publish | None = None) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
 
+        `publish` does so in place of this process.
         Raises StoreError as `append` does.
         """
         header, arrays = recorded.header, recorded.arrays

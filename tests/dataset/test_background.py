@@ -7,6 +7,7 @@ import pytest
 
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.check import check
+from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.store import EpisodeStore, Publish
 from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
@@ -28,13 +29,13 @@ def test_at_the_end_all_is_on_the_disk(store: EpisodeStore) -> None:
 
 
 def test_the_next_episode_runs_meanwhile(store: EpisodeStore, monkeypatch) -> None:
-    go, append = threading.Event(), store.append
+    go, adopt = threading.Event(), store.adopt
 
-    def slow(episode: Episode, publish: Publish) -> str:
+    def slow(recorded: Recorded, publish: Publish) -> str:
         assert go.wait(DEADLINE_S)
-        return append(episode, publish)
+        return adopt(recorded, publish)
 
-    monkeypatch.setattr(store, "append", slow)
+    monkeypatch.setattr(store, "adopt", slow)
     with BackgroundRecorder(store) as recorder:
         recorder.on_end(EPISODES[0])
         assert store.names() == []
