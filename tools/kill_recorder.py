@@ -168,11 +168,18 @@ def record_for_ever(path: Path, run: int) -> None:
 
     Before that it names the process that writes.
     """
-    store, writer = EpisodeStore(path), WriterProcess()
-    print(READY, writer.process_id, flush=True)
-    for index in count():
-        episode = synthetic_episode(synthetic_info(run, index))
-        print(store.adopt(recorded_of(episode), writer.publish), flush=True)
+    writer = WriterProcess(path)
+
+    def record(index: int) -> str:
+        info = synthetic_info(run, index)
+        writer.adopt(recorded_of(synthetic_episode(info)))
+        return episode_name(info)
+
+    # After the first one, when everything is imported.
+    first = record(0)
+    print(READY, writer.process_id, first, sep="\n", flush=True)
+    for index in count(1):
+        print(record(index), flush=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -279,11 +286,11 @@ def _record_until_killed(
 
 def _writer_of(child: subprocess.Popen[str]) -> int:
     """The id of the process that writes for a recording child, which has one when it is ready."""
-    words = child.stdout.readline().split() if child.stdout is not None else []
-    if words[:1] != [READY]:
+    ready = child.stdout.readline().strip() if child.stdout is not None else ""
+    if child.stdout is None or ready != READY:
         told = child.stderr.read() if child.stderr is not None else ""
         raise RuntimeError(f"a recording child did not start: {told}")
-    return int(words[1])
+    return int(child.stdout.readline())
 
 
 def _as_bits(episode: Episode) -> list[object]:

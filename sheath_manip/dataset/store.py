@@ -6,7 +6,7 @@ read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no r
 
 import shutil
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 
@@ -42,8 +42,6 @@ FREE_BYTES_KEPT = 200_000_000
 """A disk filled to the brim takes more down with it than one recording."""
 LONGEST_NAME = 255
 """characters in the name of a directory, on the usual file systems"""
-Publish = Callable[[Files, Path, Path], None]
-"""writes files into a new directory aside and gives it its name, as `publish_files` does"""
 
 
 class EpisodeStore(EpisodeReader):
@@ -87,10 +85,9 @@ class EpisodeStore(EpisodeReader):
             raise _taken(self.path, episode_name(episode.info))
         return self.adopt(recorded_of(episode))
 
-    def adopt(self, recorded: Recorded, publish: Publish | None = None) -> str:
+    def adopt(self, recorded: Recorded) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
 
-        `publish` does so in place of this process.
         Raises StoreError as `append` does.
         """
         header, arrays = recorded.header, recorded.arrays
@@ -105,7 +102,7 @@ class EpisodeStore(EpisodeReader):
                 "check actions with ActionSpec.validated"
             )
         require_sound(header, arrays)
-        self._publish(name, episode_files(header, arrays), publish)
+        self._publish(name, episode_files(header, arrays))
         return name
 
     def copy_from(self, source: EpisodeReader, name: str) -> None:
@@ -147,12 +144,12 @@ class EpisodeStore(EpisodeReader):
         except OSError as error:
             raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
 
-    def _publish(self, name: str, files: Files, publish: Publish | None = None) -> None:
+    def _publish(self, name: str, files: Files) -> None:
         """Write `files` into a directory aside, then give it its name."""
         aside = self._aside()
         try:
             self._require_space(sum(map(len, files.values())))
-            (publish or publish_files)(files, aside, self.path / name)
+            publish_files(files, aside, self.path / name)
         except FileExistsError as error:
             raise _taken(self.path, name) from error
         except OSError as error:

@@ -1,7 +1,7 @@
-"""A process that writes episodes, since hundreds of system calls would hold up a simulation.
+"""A process that writes episodes into a store, so that a simulation need not wait for it.
 
-In a thread each of them gives the interpreter's lock away and waits to have it back, and so does
-the simulation. The process imports only the standard library: it is there after some 30 ms.
+In a thread each of some hundred system calls and compressions gives the interpreter's lock away and
+waits to have it back, and so does the simulation.
 """
 
 import pickle
@@ -11,73 +11,83 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
-from sheath_manip.dataset.durable import Files, publish_files
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import SheathError, StoreError
 
 _ROOT = Path(__file__).parents[2]
 _CODE = f"""
 import sys
-sys.path.append({str(_ROOT)!r})
+sys.path.insert(0, {str(_ROOT)!r})
 from sheath_manip.dataset.writer_process import serve
-serve(sys.stdin.buffer, sys.stdout.buffer)
+serve(sys.argv[1], sys.stdin.buffer, sys.stdout.buffer)
 """
 
 
 class WriterProcess:
-    """Its `publish` is `publish_files` in another process; to be closed. Raises OSError.
+    """Its `adopt` is that of the store at `path`, in another process; to be closed.
 
     What it has been handed whole it writes to the end, also where this process is killed meanwhile.
+    Raises StoreError where it cannot be started.
     """
 
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(
-            # Neither the environment nor site-packages: nothing there is needed.
-            [sys.executable, "-I", "-S", "-c", _CODE],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            # Ctrl-C is for this process, which lets the writer finish.
-            start_new_session=True,
-        )
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            self._process = subprocess.Popen(
+                # The path may be relative, and this process may go elsewhere.
+                [sys.executable, "-P", "-c", _CODE, str(path.absolute())],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                # Ctrl-C is for this process, which lets the writer finish.
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise StoreError(
+                f"cannot start the process that writes into {path} ({error})"
+            ) from error
 
     @property
     def process_id(self) -> int:
         """Of the operating system's."""
         return self._process.pid
 
-    def publish(self, files: Files, aside: Path, final: Path) -> None:
-        """As `publish_files`; raises OSError also where the process is gone."""
+    def adopt(self, recorded: Recorded) -> None:
+        """As `EpisodeStore.adopt`; raises StoreError also where the process is gone."""
         requests, answers = self._process.stdin, self._process.stdout
         assert requests is not None
         assert answers is not None
         try:
-            # It was started in the directory of that time.
-            _send((files, aside.absolute(), final.absolute()), requests)
-            error = pickle.load(answers)
+            _send(recorded, requests)
+            told = pickle.load(answers)
         except (BrokenPipeError, EOFError, pickle.UnpicklingError) as broken:
-            raise OSError(
-                f"the process that writes ended with code {self._process.wait()}; run it again"
+            raise StoreError(
+                f"the process that writes into {self.path} ended with code "
+                f"{self._process.wait()}; the last episode may not be stored: run it again"
             ) from broken
-        if error is not None:
-            raise error
+        if told is not None:
+            raise StoreError(told)
 
     def close(self) -> None:
-        """End the process."""
-        # What a broken pipe did not take was told of by `publish`.
+        """End the process, which has nothing to do when `adopt` has returned."""
+        self._process.kill()
+        # What a broken pipe did not take was told of by `adopt`.
         with suppress(BrokenPipeError), self._process:
             pass
 
 
-def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
-    """Publish what comes until no more does, and answer each with None or an OSError."""
+def serve(path: str, requests: IO[bytes], answers: IO[bytes]) -> None:
+    """Adopt what comes until no more does, and answer each with None or with what went wrong."""
     # Whoever asked may be killed at any moment: half a request is none, and nobody hears an answer.
     with suppress(EOFError, pickle.UnpicklingError, BrokenPipeError):
         while True:
-            request = pickle.load(requests)
-            error = None
+            recorded = pickle.load(requests)
+            told = None
             try:
-                publish_files(*request)
-            except OSError as raised:
-                error = raised
-            _send(error, answers)
+                EpisodeStore(path).adopt(recorded)
+            except SheathError as error:
+                told = str(error)
+            _send(told, answers)
 
 
 def _send(message: object, to: IO[bytes]) -> None:

@@ -8,7 +8,7 @@ import pytest
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.dataset.store import EpisodeStore, Publish
+from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
 from sheath_manip.types import Episode
@@ -29,14 +29,15 @@ def test_at_the_end_all_is_on_the_disk(store: EpisodeStore) -> None:
 
 
 def test_the_next_episode_runs_meanwhile(store: EpisodeStore, monkeypatch) -> None:
-    go, adopt = threading.Event(), store.adopt
-
-    def slow(recorded: Recorded, publish: Publish) -> str:
-        assert go.wait(DEADLINE_S)
-        return adopt(recorded, publish)
-
-    monkeypatch.setattr(store, "adopt", slow)
+    go = threading.Event()
     with BackgroundRecorder(store) as recorder:
+        adopt = recorder._writer.adopt
+
+        def slow(recorded: Recorded) -> None:
+            assert go.wait(DEADLINE_S)
+            adopt(recorded)
+
+        monkeypatch.setattr(recorder._writer, "adopt", slow)
         recorder.on_end(EPISODES[0])
         assert store.names() == []
         go.set()

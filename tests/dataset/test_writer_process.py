@@ -11,49 +11,54 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.dataset.background import BackgroundRecorder
+from sheath_manip.dataset.check import check
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.writer_process import WriterProcess, serve
 from sheath_manip.exceptions import StoreError
 from tests.episodes import INFO, episode_of
+from tools.kill_recorder import identical
 
-FILES = {"zarr.json": b"{}", "a/zarr.json": b"{}", "a/b/c.0": bytes(100_000), "a/b/empty": b""}
 EPISODES = [episode_of("pe", info=replace(INFO, index=index)) for index in range(2)]
 
 
 @pytest.fixture
-def writer() -> Iterator[WriterProcess]:
-    writer = WriterProcess()
+def writer(store: EpisodeStore) -> Iterator[WriterProcess]:
+    writer = WriterProcess(store.path)
     yield writer
     writer.close()
 
 
-def held(folder: Path) -> dict[str, bytes]:
-    files = (file for file in folder.rglob("*") if file.is_file())
-    return {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}
+def test_what_it_adopts_is_in_the_store(writer: WriterProcess, store: EpisodeStore) -> None:
+    for episode in EPISODES:
+        writer.adopt(recorded_of(episode))
+        assert identical(store.read(episode_name(episode.info)), episode)
+    assert check(store) == []
 
 
-def test_files_get_their_name_together(writer: WriterProcess, tmp_path: Path) -> None:
-    for number in range(2):
-        writer.publish(FILES, tmp_path / "aside", tmp_path / f"final{number}")
-        assert held(tmp_path / f"final{number}") == FILES
-        assert not (tmp_path / "aside").exists()
-
-
-def test_a_path_is_where_it_is_for_who_asks(
-    writer: WriterProcess, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_path_is_where_it_was_at_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    writer.publish(FILES, Path("aside"), Path("final"))
-    assert held(tmp_path / "final") == FILES
+    store = EpisodeStore.create("store")
+    with BackgroundRecorder(store) as recorder:
+        (tmp_path / "elsewhere").mkdir()
+        monkeypatch.chdir(tmp_path / "elsewhere")
+        recorder.on_end(EPISODES[0])
+    assert len(EpisodeStore(tmp_path / "store").names()) == 1
 
 
-def test_what_goes_wrong_there_is_raised_here(writer: WriterProcess, tmp_path: Path) -> None:
-    (tmp_path / "taken" / "file").mkdir(parents=True)
-    with pytest.raises(FileExistsError, match="taken exists"):
-        writer.publish(FILES, tmp_path / "aside", tmp_path / "taken")
-    with pytest.raises(FileNotFoundError, match="missing"):
-        writer.publish(FILES, tmp_path / "missing" / "aside", tmp_path / "final")
-    writer.publish(FILES, tmp_path / "other", tmp_path / "final")
+def test_what_goes_wrong_there_is_told_here(writer: WriterProcess, store: EpisodeStore) -> None:
+    store.append(EPISODES[0])
+    with pytest.raises(StoreError, match="already holds"):
+        writer.adopt(recorded_of(EPISODES[0]))
+    good = recorded_of(EPISODES[1])
+    arrays = {path: array for path, array in good.arrays.items() if path != "executed"}
+    with pytest.raises(StoreError, match="executed is missing"):
+        writer.adopt(replace(good, arrays=arrays))
+    writer.adopt(good)
+    assert len(store.names()) == 2
 
 
 @pytest.mark.parametrize("before", [0, 1])
@@ -66,10 +71,9 @@ def test_a_writer_that_is_gone_is_one_line(store: EpisodeStore, before: int) -> 
                     os.kill(recorder._writer.process_id, signal.SIGKILL)
                 recorder.on_end(episode)
 
-    with pytest.raises(StoreError, match=r"cannot write .* ended with code -9; run it again"):
+    with pytest.raises(StoreError, match=r"writes into .* ended with code -9; .*: run it again"):
         record()
     assert len(store.names()) == before
-    assert not list(store.path.glob(".tmp-*"))
 
 
 def test_a_process_that_cannot_be_started_is_one_line(
@@ -85,11 +89,10 @@ def test_ctrl_c_is_not_for_the_writer(writer: WriterProcess) -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.99])
-def test_half_a_request_is_none(tmp_path: Path, share: float) -> None:
-    whole, half = (
-        pickle.dumps((FILES, tmp_path / f"aside{n}", tmp_path / f"final{n}")) for n in range(2)
-    )
+def test_half_a_request_is_none(store: EpisodeStore, share: float) -> None:
+    whole, half = (pickle.dumps(recorded_of(episode)) for episode in EPISODES)
     answers = io.BytesIO()
-    serve(io.BytesIO(whole + half[: int(share * len(half))]), answers)
-    assert [path.name for path in tmp_path.iterdir()] == ["final0"]
+    serve(str(store.path), io.BytesIO(whole + half[: int(share * len(half))]), answers)
+    assert store.names() == [episode_name(EPISODES[0].info)]
+    assert check(store) == []
     assert answers.getvalue() == pickle.dumps(None, pickle.HIGHEST_PROTOCOL)
