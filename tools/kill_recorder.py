@@ -90,7 +90,7 @@ def synthetic_info(run: int, index: int) -> EpisodeInfo:
     )
 
 
-def synthetic_episode(info: EpisodeInfo, length: int = 40, pixels: int = 125) -> Episode:
+def synthetic_episode(info: EpisodeInfo, length: int = 40, pixels: int = 32) -> Episode:
     """An episode of noise with one square camera; the same `info` gives the same one."""
     rng = np.random.default_rng(info.seed)
 
