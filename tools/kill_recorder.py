@@ -2,14 +2,17 @@
 
     python -m tools.kill_recorder --kills 30 --writers 2 --polls 10000
 
-Children record synthetic episodes for ever into one store and are killed with SIGKILL, each at a
-random moment, mostly in the middle of a write, while this process looks into the store again and
+Children record synthetic episodes for ever into one store, each with a process that writes them as
+`sheath collect` has. Each is killed with SIGKILL at a random moment, mostly in the middle of a
+write, alone or together with the one that writes, while this process looks into the store again and
 again. Each look must find all episodes that were there before, and one of them, drawn by chance,
 equal to the bit to what was recorded; at the end all of them. Exits with 1 where one is damaged,
 torn or gone.
 """
 
 import argparse
+import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,7 +28,9 @@ import numpy as np
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
     Actor,
@@ -85,7 +90,7 @@ def synthetic_info(run: int, index: int) -> EpisodeInfo:
     )
 
 
-def synthetic_episode(info: EpisodeInfo, length: int = 40, pixels: int = 125) -> Episode:
+def synthetic_episode(info: EpisodeInfo, length: int = 40, pixels: int = 32) -> Episode:
     """An episode of noise with one square camera; the same `info` gives the same one."""
     rng = np.random.default_rng(info.seed)
 
@@ -159,11 +164,22 @@ def kill_recorder(
 
 
 def record_for_ever(path: Path, run: int) -> None:
-    """Record until killed, naming each episode on stdout once `append` has returned."""
-    store = EpisodeStore(path)
-    print(READY, flush=True)
-    for index in count():
-        print(store.append(synthetic_episode(synthetic_info(run, index))), flush=True)
+    """Record until killed, naming each episode on stdout once it is stored.
+
+    Before that it names the process that writes.
+    """
+    writer = WriterProcess(path)
+
+    def record(index: int) -> str:
+        info = synthetic_info(run, index)
+        writer.adopt(recorded_of(synthetic_episode(info)))
+        return episode_name(info)
+
+    # After the first one, when everything is imported.
+    first = record(0)
+    print(READY, writer.process_id, first, sep="\n", flush=True)
+    for index in count(1):
+        print(record(index), flush=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -233,6 +249,7 @@ def _record_until_killed(
                 subprocess.Popen(
                     [sys.executable, "-c", code, str(path), str(run)],
                     stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE,
                     text=True,
                     cwd=Path(__file__).parents[1],
                 )
@@ -240,19 +257,23 @@ def _record_until_killed(
             for run in runs
         ]
         try:
-            for child in children:
-                if child.stdout is None or child.stdout.readline().strip() != READY:
-                    raise RuntimeError("a recording child did not start; its error is above")
+            writers = [_writer_of(child) for child in children]
             while poller.polls < polls:
                 poller.look()
-            for child in children:
+            for child, writer in zip(children, writers, strict=True):
                 end_s = time.monotonic() + float(rng.uniform(0.0, LONGEST_WAIT_S))
                 while time.monotonic() < end_s:
                     poller.look()
+                if rng.random() < 0.5:
+                    os.kill(writer, signal.SIGKILL)
                 child.kill()
         finally:
             for child in children:
                 child.kill()
+        for child in children:
+            # It ends when also the process that writes has: that one finishes what it was given.
+            if child.stderr is not None:
+                child.stderr.read()
         # A line that was cut off by the kill names nothing.
         return {
             line.strip()
@@ -261,6 +282,15 @@ def _record_until_killed(
             for line in child.stdout
             if line.endswith("\n")
         }
+
+
+def _writer_of(child: subprocess.Popen[str]) -> int:
+    """The id of the process that writes for a recording child, which has one when it is ready."""
+    ready = child.stdout.readline().strip() if child.stdout is not None else ""
+    if child.stdout is None or ready != READY:
+        told = child.stderr.read() if child.stderr is not None else ""
+        raise RuntimeError(f"a recording child did not start: {told}")
+    return int(child.stdout.readline())
 
 
 def _as_bits(episode: Episode) -> list[object]:

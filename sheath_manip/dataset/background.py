@@ -5,14 +5,16 @@ from types import TracebackType
 from typing import Self
 
 from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.types import Episode
 
 
 class BackgroundRecorder(Recorder):
     """As `Recorder`, used as a context, at whose end every episode is on the disk.
 
-    Most of what recording takes is waiting for the disk, so another thread does it. One episode is
+    A process of its own compresses and writes it, and a thread waits for that. One episode is
     written at a time: the next one waits for it. What went wrong is raised when the next episode
     ends or at the end of the context, whichever is first, and nothing is recorded after it.
     """
@@ -20,12 +22,15 @@ class BackgroundRecorder(Recorder):
     def __init__(self, store: EpisodeStore) -> None:
         super().__init__(store)
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="recorder")
-        self._written: Future[str] | None = None
+        self._writer = WriterProcess(store.path)
+        self._written: Future[None] | None = None
 
     def on_end(self, episode: Episode) -> None:
         """Begin to append the episode; raises StoreError where the one before could not be."""
         self._wait()
-        self._written = self._thread.submit(self.store.append, episode)
+        # Not in the thread: it would take turns with the simulation at every row.
+        recorded = recorded_of(episode)
+        self._written = self._thread.submit(self._writer.adopt, recorded)
 
     def __enter__(self) -> Self:
         return self
@@ -38,6 +43,7 @@ class BackgroundRecorder(Recorder):
     ) -> None:
         """Wait until the last episode is on the disk; raises StoreError where it could not be."""
         self._thread.shutdown()
+        self._writer.close()
         self._wait()
 
     def _wait(self) -> None:

@@ -10,20 +10,20 @@ from zarr.storage import StorePath
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, to_attributes
 from sheath_manip.dataset.layout import Arrays, ArraySpec, layout
-from sheath_manip.dataset.zarr_files import write_array, write_group_file
+from sheath_manip.dataset.zarr_files import array_files, group_files, within
 
 FRAMES_PER_CHUNK = 64
 """Chunks of single frames take ten times as long to write and compress far worse."""
 
 
-def write_group(directory: Path, header: Header, arrays: Arrays) -> None:
-    """Write an episode into `directory`, which must not exist yet; raises OSError."""
-    write_group_file(directory, to_attributes(header))
+def episode_files(header: Header, arrays: Arrays) -> dict[str, bytes]:
+    """The files of an episode's group, by their paths in it."""
+    files = group_files(to_attributes(header))
     for spec in layout(header):
         for parent in reversed(PurePosixPath(spec.path).parents[:-1]):
-            if not (directory / parent).exists():
-                write_group_file(directory / parent, {})
-        write_array(directory / spec.path, arrays[spec.path], _chunks(spec))
+            files |= within(str(parent), group_files({}))
+        files |= within(spec.path, array_files(arrays[spec.path], _chunks(spec)))
+    return files
 
 
 def read_array(name: str, group: Path | StorePath, spec: ArraySpec) -> NDArray:

@@ -6,16 +6,16 @@ read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no r
 
 import shutil
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.durable import publish, sync
+from sheath_manip.dataset.durable import Files, publish_files, sync
 from sheath_manip.dataset.faults import Fault, FaultKind
-from sheath_manip.dataset.group import read_array, write_group
-from sheath_manip.dataset.header import Header, header_of, read_header
+from sheath_manip.dataset.group import episode_files, read_array
+from sheath_manip.dataset.header import Header, read_header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.marks import (
@@ -30,8 +30,8 @@ from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episod
 from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import (
-    arrays_of,
     not_finite,
+    recorded_of,
     require_layout,
     require_sound,
 )
@@ -83,8 +83,7 @@ class EpisodeStore(EpisodeReader):
         """
         if self._directory(episode.info).exists():
             raise _taken(self.path, episode_name(episode.info))
-        header = header_of(episode)
-        return self.adopt(Recorded(header, arrays_of(episode, header)))
+        return self.adopt(recorded_of(episode))
 
     def adopt(self, recorded: Recorded) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
@@ -103,8 +102,7 @@ class EpisodeStore(EpisodeReader):
                 "check actions with ActionSpec.validated"
             )
         require_sound(header, arrays)
-        needed_bytes = sum(array.nbytes for array in arrays.values())
-        self._publish(name, needed_bytes, lambda aside: write_group(aside, header, arrays))
+        self._publish(name, episode_files(header, arrays))
         return name
 
     def copy_from(self, source: EpisodeReader, name: str) -> None:
@@ -112,14 +110,7 @@ class EpisodeStore(EpisodeReader):
 
         Raises StoreError as `append` does, and where `source` cannot give it.
         """
-        files = source.files(name)
-
-        def write(aside: Path) -> None:
-            for file in files:
-                (aside / file).parent.mkdir(parents=True, exist_ok=True)
-                (aside / file).write_bytes(source.content(name, file))
-
-        self._publish(name, sum(files.values()), write)
+        self._publish(name, {file: source.content(name, file) for file in source.files(name)})
         self.mark(name, source.marks(name))
 
     def marks(self, name: str) -> Marks:
@@ -153,13 +144,12 @@ class EpisodeStore(EpisodeReader):
         except OSError as error:
             raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
 
-    def _publish(self, name: str, needed_bytes: int, write: Callable[[Path], None]) -> None:
-        """Let `write` fill a directory aside, then give it its name."""
+    def _publish(self, name: str, files: Files) -> None:
+        """Write `files` into a directory aside, then give it its name."""
         aside = self._aside()
         try:
-            self._require_space(needed_bytes)
-            write(aside)
-            publish(aside, self.path / name)
+            self._require_space(sum(map(len, files.values())))
+            publish_files(files, aside, self.path / name)
         except FileExistsError as error:
             raise _taken(self.path, name) from error
         except OSError as error:

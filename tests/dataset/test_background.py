@@ -7,6 +7,7 @@ import pytest
 
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.check import check
+from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
@@ -28,14 +29,15 @@ def test_at_the_end_all_is_on_the_disk(store: EpisodeStore) -> None:
 
 
 def test_the_next_episode_runs_meanwhile(store: EpisodeStore, monkeypatch) -> None:
-    go, append = threading.Event(), store.append
-
-    def slow(episode: Episode) -> str:
-        assert go.wait(DEADLINE_S)
-        return append(episode)
-
-    monkeypatch.setattr(store, "append", slow)
+    go = threading.Event()
     with BackgroundRecorder(store) as recorder:
+        adopt = recorder._writer.adopt
+
+        def slow(recorded: Recorded) -> None:
+            assert go.wait(DEADLINE_S)
+            adopt(recorded)
+
+        monkeypatch.setattr(recorder._writer, "adopt", slow)
         recorder.on_end(EPISODES[0])
         assert store.names() == []
         go.set()

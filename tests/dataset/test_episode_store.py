@@ -1,3 +1,5 @@
+import ctypes
+import errno
 import json
 import shutil
 import subprocess
@@ -6,6 +8,7 @@ import threading
 from collections import namedtuple
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,11 +116,11 @@ class TestAppending:
     ) -> None:
         barrier = threading.Barrier(2)
 
-        def publish_together(directory: Path, final: Path) -> None:
+        def publish_together(*files_aside_final: Any) -> None:
             barrier.wait(DEADLINE_S)
-            durable.publish(directory, final)
+            durable.publish_files(*files_aside_final)
 
-        monkeypatch.setattr(store_module, "publish", publish_together)
+        monkeypatch.setattr(store_module, "publish_files", publish_together)
         episode, lines = tiny(INFO), []
 
         def append() -> None:
@@ -149,7 +152,7 @@ class TestAppending:
         def fail(*_: object) -> None:
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(store_module, "publish", fail)
+        monkeypatch.setattr(store_module, "publish_files", fail)
         with pytest.raises(StoreError, match="No space left"):
             store.append(tiny(INFO))
         assert entries(store) == ["sheath-store.json"]
@@ -167,6 +170,8 @@ class TestAppending:
     def test_all_is_on_the_disk_before_the_name_is(
         self, store: EpisodeStore, monkeypatch: pytest.MonkeyPatch
     ) -> None:
+        # As where there is no call for a whole file system.
+        monkeypatch.setattr(durable, "_syncfs", None)
         synced: list[Path] = []
         monkeypatch.setattr(durable, "sync", synced.append)
         directory = store.path / store.append(tiny(INFO))
@@ -176,6 +181,32 @@ class TestAppending:
             Path()
         }
         assert last == store.path
+
+    @pytest.mark.skipif(durable._syncfs is None, reason="no such call here")
+    def test_or_the_file_system_is_synced_before_the_name_is_there(
+        self, store: EpisodeStore, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        seen: list[set[str]] = []
+
+        def syncfs(descriptor: int) -> int:
+            aside = Path(f"/proc/self/fd/{descriptor}").readlink()
+            seen.append({path.relative_to(aside).as_posix() for path in aside.rglob("*")})
+            assert store.names() == []
+            return 0
+
+        monkeypatch.setattr(durable, "_syncfs", syncfs)
+        name = store.append(tiny(INFO))
+        directory = store.path / name
+        assert seen == [{path.relative_to(directory).as_posix() for path in directory.rglob("*")}]
+
+        def broken(_: int) -> int:
+            ctypes.set_errno(errno.EIO)
+            return -1
+
+        monkeypatch.setattr(durable, "_syncfs", broken)
+        with pytest.raises(StoreError, match="Input/output error"):
+            store.append(tiny(replace(INFO, index=8)))
+        assert entries(store) == [name, "sheath-store.json"]
 
     @pytest.mark.parametrize(
         ("change", "message"),

@@ -27,7 +27,7 @@ from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.show import print_show
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.table import print_check, print_list
-from sheath_manip.dataset.zarr_files import write_array
+from sheath_manip.dataset.zarr_files import array_files
 from sheath_manip.exceptions import SheathError, StoreError
 from sheath_manip.seeding import generator
 from sheath_manip.types import Limited
@@ -81,6 +81,12 @@ def file_to_folder(episode: Path, rng: Rng) -> None:
     file.mkdir()
 
 
+def write_array(folder: Path, values: np.ndarray) -> None:
+    folder.mkdir()
+    for name, content in array_files(values, tuple(max(1, n) for n in values.shape)).items():
+        (folder / name).write_bytes(content)
+
+
 def rewrite(change: Callable[[np.ndarray, Rng], np.ndarray]) -> Damage:
     """An array in good order that is another one."""
 
@@ -88,7 +94,7 @@ def rewrite(change: Callable[[np.ndarray, Rng], np.ndarray]) -> Damage:
         folder = one_of(rng, array_folders(episode))
         values = change(np.asarray(zarr.open_array(folder, mode="r")[...]), rng)
         shutil.rmtree(folder)
-        write_array(folder, values, tuple(max(1, size) for size in values.shape))
+        write_array(folder, values)
 
     return damage
 
@@ -112,7 +118,7 @@ def spoil_value(path: str, value: float) -> Damage:
             rows = np.flatnonzero(zarr.open_array(episode / "has_labelled", mode="r")[...])
         values[one_of(rng, rows)] = value
         shutil.rmtree(episode / path)
-        write_array(episode / path, values, values.shape)
+        write_array(episode / path, values)
 
     return damage
 
