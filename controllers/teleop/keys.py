@@ -22,15 +22,19 @@ _MOVES = {
 }
 """by key: the entry of the twist and its sign"""
 _CLOSE, _OPEN, _FINE = "KeyN", "KeyM", "KeyB"
-GUIDE = (
+PLANAR_GUIDE = (
     Binding(("KeyI", "KeyK"), "forward, back"),
     Binding(("KeyJ", "KeyL"), "left, right"),
+    Binding((_FINE,), "slowly, while held"),
+)
+GUIDE = (
+    *PLANAR_GUIDE[:2],
     Binding(("KeyU", "KeyO"), "up, down"),
     Binding(("Digit1", "Digit2"), "turn about x"),
     Binding(("Digit3", "Digit4"), "turn about y"),
     Binding(("Digit5", "Digit6"), "turn about z"),
     Binding((_CLOSE, _OPEN), "close, open"),
-    Binding((_FINE,), "slowly, while held"),
+    PLANAR_GUIDE[-1],
 )
 
 

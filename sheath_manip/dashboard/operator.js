@@ -81,10 +81,12 @@ function (settings) {
       banner.style.background = colour;
       banner.textContent = text;
     };
-    const wait = state.left_s == null ? "" : ` Somebody else acts in ${state.left_s} s.`;
+    const wait = state.left_s == null ? "" : ` The ${state.stand_in} acts in ${state.left_s} s.`;
+    const alone = state.asking && !state.mine && !state.others;
     if (state.stopped) say("EMERGENCY STOP. R resets it.", "#be1e2d");
-    else if (state.asking && !state.mine && !state.others)
-      say(`The robot asks for you: take over with T.${wait}`, "#d55e00");
+    else if (alone && state.turn === "fallback")
+      say(`Nobody came, so the ${state.stand_in} acts. Take over with T.`, "#d55e00");
+    else if (alone) say(`The robot holds and asks for you: take over with T.${wait}`, "#d55e00");
     else if (state.others) say("Another page drives; you watch. Space stops the robot.", "#6e747c");
     else if (state.mine && state.turn !== "person")
       say("You have taken over; the robot holds until you move it. H hands back.", "#008764");

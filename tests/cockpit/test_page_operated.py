@@ -197,7 +197,7 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     page = opened
     heard = page.evaluate("sheathOperator.beeps")
     grasp.inside = False
-    page.get_by_text("The robot asks for you").wait_for()
+    page.get_by_text("The robot holds and asks for you").wait_for()
     assert grasp.steps[-1].decision.reason is Reason.WAITING
     page.wait_for_function(f"sheathOperator.beeps > {heard}")
     page.keyboard.press("t")

@@ -26,7 +26,9 @@ class Counts:
         """Show the counts so far."""
         episode = moment.episode
         series = moment.series if self._with_series else None
-        self._facts.content = _facts(moment.info, episode.steps, self._max_steps)
+        # What is recorded has all its steps.
+        most = self._max_steps if self._with_series else len(moment.trace)
+        self._facts.content = _facts(moment.info, episode.steps, most)
         self._counts.content = _counts(moment.info, episode, series, moment.outcomes)
         # The text first: an empty box would be seen for a moment otherwise.
         now = () if moment.step is None else moment.step.limited
@@ -34,11 +36,11 @@ class Counts:
         self._limited.visible = (series or episode).limited_steps > 0
 
 
-def _facts(info: EpisodeInfo, steps: int, max_steps: int) -> str:
+def _facts(info: EpisodeInfo, steps: int, most: int) -> str:
     where = (info.method, info.purpose.value, f"round {info.round}", f"episode {info.index}")
     return (
         f'<div style="{TEXT}">{escape(" · ".join(filter(None, where)))}<br>'
-        f"step {steps} of {max_steps}"
+        f"step {steps} of {most}"
         f'<span style="opacity:.6"> · scene {info.seed}</span></div>'
     )
 
@@ -78,7 +80,7 @@ def _counts(
         for outcome in Outcome
     )
     return (
-        f'<div style="{TEXT}"><table style="width:100%;text-align:right">'
+        f'<div style="{TEXT}"><table style="width:100%;text-align:right;line-height:1.25">'
         f'<tr style="opacity:.6"><td></td>{headings}</tr>'
         f"{row('expert acted', lambda share: f'{share.expert_share:.0%}')}"
         f"{row('interventions', lambda share: share.interventions)}"

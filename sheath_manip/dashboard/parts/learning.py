@@ -34,8 +34,8 @@ class LearningCurves:
             ("Policy alone failed", "share of held-out scenes"),
             ("Expert acted", "share of the round's steps"),
         ):
-            gui.add_html(caption(title, detail))
-            self._drawn.append(gui.add_html(""))
+            html = gui.add_html("", visible=False)
+            self._drawn.append((caption(title, detail), html))
         self._results: Sequence[RoundResult] = ()
 
     def draw(self, moment: Moment) -> None:
@@ -44,8 +44,10 @@ class LearningCurves:
             return
         self._results = moment.results
         self._note.visible = not moment.results
-        for (value, low), html in zip(self._charts, self._drawn, strict=True):
-            html.content = f'<div style="{TEXT}">{_chart(moment.results, value, low)}</div>'
+        for (value, low), (title, html) in zip(self._charts, self._drawn, strict=True):
+            chart = _chart(moment.results, value, low)
+            html.content = f'{title}<div style="{TEXT}">{chart}</div>'
+            html.visible = bool(chart)
 
 
 def _chart(
