@@ -22,6 +22,7 @@ class ArmHands:
     """
 
     dead_man = True
+    planar = False
     guide = keys.GUIDE
 
     def __init__(

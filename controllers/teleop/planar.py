@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from controllers.teleop import keys
 from controllers.teleop.device import Device
 from controllers.teleop.gamepad import GamepadDevice
-from controllers.teleop.gizmo import Gizmo, pose_of
+from controllers.teleop.gizmo import Gizmo
 from controllers.teleop.keys import Keys
 from controllers.teleop.six_axes import SixAxesDevice
 from sheath_manip.cockpit.given import Given
@@ -19,6 +19,7 @@ class PlanarHands:
     """Of what a device asks for, the way along the plane; depth and tilt are the task's own."""
 
     dead_man = True
+    planar = True
     guide = keys.PLANAR_GUIDE
 
     def __init__(
@@ -53,5 +54,5 @@ class PlanarHands:
         return self._action_for(self._top_speed_m_s * share)
 
     def tool_pose(self) -> NDArray[np.float64]:
-        """(7,) where the gizmo belongs."""
-        return pose_of(self._tool_pose())
+        """(7,) where the gizmo belongs, its axes the world's."""
+        return np.array([*self._tool_pose()[:3, 3], 1.0, 0.0, 0.0, 0.0])

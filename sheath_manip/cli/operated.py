@@ -70,7 +70,7 @@ class Operating:
         task.make_expert(probe, self.fallback)
         probe.close()
         stand_in = "scripted expert" if self.fallback == SCRIPTED else f"stand-in “{self.fallback}”"
-        cockpit = Cockpit(hands.guide, paced=True, stand_in=stand_in)
+        cockpit = Cockpit(hands.guide, paced=True, stand_in=stand_in, planar=hands.planar)
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         with ExitStack() as stack:
             if self.spacemouse:

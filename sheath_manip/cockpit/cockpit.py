@@ -96,6 +96,7 @@ class Cockpit:
         clock: Callable[[], float] = time.monotonic,
         paced: bool = False,
         stand_in: str = State.stand_in,
+        planar: bool = False,
     ) -> None:
         """Begin with a run that goes on, at the task's own pace.
 
@@ -104,9 +105,11 @@ class Cockpit:
             clock: seconds that never go back.
             paced: whether the loop keeps to `speed`.
             stand_in: who acts where a person is asked and does not come, in words.
+            planar: whether what a gizmo moves stays level and at its height.
         """
         self.guide = guide
         self.paced = paced
+        self.planar = planar
         self.on_change: Callable[[], None] = lambda: None
         """called on the loop's thread where there is something new to show; returns at once"""
         self.lease = Lease(clock)

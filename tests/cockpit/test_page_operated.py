@@ -198,12 +198,14 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     heard = page.evaluate("sheathOperator.beeps")
     grasp.inside = False
     page.get_by_text("The robot holds and asks for you").wait_for()
+    page.get_by_text("Robot holds", exact=True).wait_for()
     assert grasp.steps[-1].decision.reason is Reason.WAITING
     page.wait_for_function(f"sheathOperator.beeps > {heard}")
     page.keyboard.press("t")
     page.keyboard.down("u")
     grasp.until_turn(Turn.PERSON)
     assert moved_m(grasp, page, 0.02)[2] > 0.01
+    page.get_by_text("Person acts").wait_for()
     page.keyboard.up("u")
     grasp.inside = True
     page.keyboard.press("h")

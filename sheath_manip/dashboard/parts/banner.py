@@ -7,19 +7,11 @@ import numpy as np
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import State, Turn
 from sheath_manip.dashboard import palette
+from sheath_manip.dashboard.acting import acting
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.types import Actor, GateDecision, Reason
-
-_HOLDS = "Robot holds"
-_ACTS = {
-    Reason.PERSON: "Person acts",
-    Reason.IDLE: _HOLDS,
-    Reason.WAITING: _HOLDS,
-    Reason.EMERGENCY_STOP: _HOLDS,
-}
-"""where it is not the expert of the gate's own choice"""
 
 
 class Banner:
@@ -28,17 +20,17 @@ class Banner:
     def __init__(self, desk: Desk, cockpit: Cockpit | None = None) -> None:
         """`cockpit` is a live run's: while that stands still, its last step tells nothing."""
         self._cockpit = cockpit
-        self._box = desk.viser.gui.add_html(_box(palette.GREY, "Waiting", "for the first step"))
+        self._box = desk.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
 
     def draw(self, moment: Moment) -> None:
         """Show the latest decision."""
         state = None if self._cockpit is None else self._cockpit.state
         if moment.outcome is not None:
             colour = palette.OUTCOME[moment.outcome]
-            self._box.content = _box(colour, moment.outcome.value.capitalize(), "episode over")
+            self._box.content = _box(colour, moment.outcome.value, "episode over")
         elif state is not None and moment.present and _stands_still(state):
             reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
-            self._box.content = _box(palette.turn(True, reason), _HOLDS, reason.value)
+            self._box.content = _box(palette.turn(True, reason), acting(True, reason), reason.value)
         elif moment.step is not None:
             stand_in = State.stand_in if state is None else state.stand_in
             self._box.content = _banner(moment.step.decision, stand_in)
@@ -51,22 +43,19 @@ def _stands_still(state: State) -> bool:
 
 def _banner(decision: GateDecision, stand_in: str) -> str:
     by_expert, reason = decision.actor is Actor.EXPERT, decision.reason
-    title = f"{decision.actor.value} acts"
-    if by_expert:
-        acts = _ACTS | {Reason.NO_ANSWER: f"{stand_in} acts"}
-        title = acts.get(reason, title)
     below = reason.value
     if np.isfinite(decision.score) and np.isfinite(decision.threshold):
         sign = "≥" if decision.score >= decision.threshold else "<"
         below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
-    return _box(palette.turn(by_expert, reason), title[:1].upper() + title[1:], below)
+    return _box(palette.turn(by_expert, reason), acting(by_expert, reason, stand_in), below)
 
 
 def _box(colour: palette.Rgb, title: str, below: str) -> str:
     ink = palette.css(palette.INK) if sum(colour) > _BRIGHT else "white"
+    title = escape(title[:1].upper() + title[1:])
     return (
         f'<div style="{BOX};color:{ink};background:{palette.css(colour)}">'
-        f'<div style="font-size:1.7em;font-weight:700">{escape(title)}</div>{escape(below)}</div>'
+        f'<div style="font-size:1.7em;font-weight:700">{title}</div>{escape(below)}</div>'
     )
 
 
