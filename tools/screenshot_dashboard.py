@@ -59,6 +59,8 @@ POSE_TIMEOUT_S = 1800.0
 """training included"""
 SETTLED_MS = 2500
 """for the 3-D scene to be drawn in software"""
+DRIVEN_MS = 700
+"""by a held key, before the picture of a person who drives"""
 
 
 class Pose:
@@ -272,6 +274,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
             cockpit.resume()
             page.keyboard.press("t")
             page.keyboard.down(cockpit.guide[0].codes[0])
+            page.wait_for_timeout(DRIVEN_MS)
             wait_until(lambda: hold(Turn.PERSON), "person", page)
             photograph(page, ("Run", "Support"), f"{task.name}-person", options.out)
         finally:

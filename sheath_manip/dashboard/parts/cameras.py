@@ -8,8 +8,8 @@ from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.seldom import Seldom
 
-WIDTH_PX, NARROW_PX = 220, 160
-"""of the window; the second one where there are several images, below one another"""
+WIDTH_PX = 220
+"""no less: viser would cut off what is in the window"""
 MARGIN_PX = 15
 RATE_HZ = 6.0
 
@@ -31,8 +31,7 @@ class Cameras:
                 self._images[name] = gui.add_image(
                     blank, label=label, jpeg_quality=85, visible=False
                 )
-        width_px = WIDTH_PX if len(cameras) == 1 else NARROW_PX
-        window.float(x=MARGIN_PX, y=MARGIN_PX, width=width_px)
+        window.float(x=MARGIN_PX, y=MARGIN_PX, width=WIDTH_PX)
 
     def draw(self, moment: Moment) -> None:
         """Show what was seen before the shown step."""

@@ -11,7 +11,7 @@ from sheath_manip.dashboard.part import Desk
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
 from sheath_manip.results import RoundResult
 
-NO_ROUND = "The curves appear here with the first round of learning."
+NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with the first round."
 
 
 class LearningCurves:
