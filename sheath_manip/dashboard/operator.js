@@ -12,7 +12,7 @@ function (settings) {
   banner.style.cssText =
     "position:fixed;top:14px;left:calc(50vw - 190px);transform:translateX(-50%);z-index:10000;" +
     "display:none;pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
-    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:44vw";
+    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:38vw";
   document.body.appendChild(banner);
 
   const send = (message) => {
