@@ -170,7 +170,7 @@ def info_of(
 def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> Subject:
     """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
     pose = Pose(with_policy=not options.expert)
-    shown: Future[str] = Future()
+    shown: Future[Dashboard] = Future()
 
     def drive() -> Subject:
         # All in one thread, because a GL context belongs to the one that made it.
@@ -181,7 +181,7 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
             adjusting = None if fitted is None else adjusted(fitted, subject.store)
             parts = () if adjusting is None else adjusting.parts
             with Dashboard(environment.spec, port=0, gate=parts) as dashboard:
-                shown.set_result(dashboard.address)
+                shown.set_result(dashboard)
                 if adjusting is not None and adjusting.states is not None:
                     dashboard.on_fit(adjusting.states)
                 recorder = Recorder(EpisodeStore.create(folder / "recorded"))
@@ -213,10 +213,12 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
             wait_until(lambda: shown.done() or run.done(), "page", page, POSE_TIMEOUT_S)
             if run.done():
                 run.result()
-            open_dashboard(page, shown.result())
+            open_dashboard(page, shown.result().address)
             wait_until(
                 lambda: pose.struck.is_set() or run.done(), "intervention", page, POSE_TIMEOUT_S
             )
+            # Nobody has paused it, but it has the page draw the images that it has skipped.
+            shown.result().resume()
             photograph(page, LIVE_TABS, task.name, options.out)
         finally:
             pose.taken.set()
