@@ -70,6 +70,8 @@ def _counts(
         cells = "".join(f"<td>{count(share)}</td>" for share in shares)
         return f'<tr><td style="opacity:.6;text-align:left">{name}</td>{cells}</tr>'
 
+    # Of one episode alone they stand above.
+    steps = "" if series is None else row("steps", lambda share: share.steps)
     every = escape(" ".join(filter(None, (info.method, info.purpose.value))))
     headings = "".join(
         f"<td>{each}</td>" for each in ("this episode", f"all {every}")[: len(shares)]
@@ -86,6 +88,5 @@ def _counts(
         f"{row('interventions', lambda share: share.interventions)}"
         f"{row('switches', lambda share: share.switches)}"
         f"{row('labels', lambda share: share.queries)}"
-        f"{row('steps', lambda share: share.steps)}"
-        f'</table><div style="margin-top:0.3em">{ended}</div></div>'
+        f'{steps}</table><div style="margin-top:0.3em">{ended}</div></div>'
     )

@@ -10,7 +10,7 @@ from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.types import Actor
 
-HEIGHT_PX = 150
+HEIGHT_PX = 140
 PADDING_PX = (10, 10, 0, 0)
 """top, right, bottom, left: the uppermost number and line are not cut off"""
 WINDOW_STEPS = 300
