@@ -59,8 +59,8 @@ POSE_TIMEOUT_S = 1800.0
 """training included"""
 SETTLED_MS = 2500
 """for the 3-D scene to be drawn in software"""
-DRIVEN_MS = 700
-"""by a held key, before the picture of a person who drives"""
+DRIVEN_MS, PAUSED_MS = 700, 300
+"""by a held key, before the picture of a person who drives; and for a run to be paused"""
 
 
 class Pose:
@@ -262,8 +262,13 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
 
     def hold(turn: Turn) -> bool:
         """Hold the run in such a turn, so that it is still so in the picture."""
-        if cockpit.turn is turn:
-            cockpit.pause()
+        if cockpit.turn is not turn:
+            return False
+        cockpit.pause()
+        # One more step may have begun, and have become somebody else's.
+        page.wait_for_timeout(PAUSED_MS)
+        if cockpit.turn is not turn:
+            cockpit.resume()
         return cockpit.turn is turn
 
     with ThreadPoolExecutor(1) as pool:

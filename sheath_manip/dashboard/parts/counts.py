@@ -73,9 +73,7 @@ def _counts(
     # Of one episode alone they stand above.
     steps = "" if series is None else row("steps", lambda share: share.steps)
     every = escape(" ".join(filter(None, (info.method, info.purpose.value))))
-    headings = "".join(
-        f"<td>{each}</td>" for each in ("this episode", f"all {every}")[: len(shares)]
-    )
+    headings = f"<td></td><td>this episode</td><td>all {every}</td>" if series else ""
     ended = " &nbsp; ".join(
         f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">'
         f"<b>{outcomes.get(outcome, 0)}</b> {escape(outcome.value)}</span>"
@@ -83,7 +81,7 @@ def _counts(
     )
     return (
         f'<div style="{TEXT}"><table style="width:100%;text-align:right;line-height:1.25">'
-        f'<tr style="opacity:.6"><td></td>{headings}</tr>'
+        f'<tr style="opacity:.6">{headings}</tr>'
         f"{row('expert acted', lambda share: f'{share.expert_share:.0%}')}"
         f"{row('interventions', lambda share: share.interventions)}"
         f"{row('switches', lambda share: share.switches)}"
