@@ -1,16 +1,12 @@
 """A person's hands on a tool that moves in a plane: all devices together become one velocity."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.teleop import keys
-from controllers.teleop.device import Device
-from controllers.teleop.gamepad import GamepadDevice
-from controllers.teleop.gizmo import Gizmo
-from controllers.teleop.keys import Keys
-from controllers.teleop.six_axes import SixAxesDevice
+from controllers.teleop.together import Together
 from sheath_manip.cockpit.given import Given
 from sheath_manip.types import Action
 
@@ -27,7 +23,6 @@ class PlanarHands:
         tool_pose: Callable[[], NDArray[np.float64]],
         action_for: Callable[[NDArray[np.float64]], Action],
         top_speed_m_s: float,
-        devices: Sequence[Device] | None = None,
     ) -> None:
         """`tool_pose` gives the (4, 4) pose of the tool now, world frame.
 
@@ -39,19 +34,11 @@ class PlanarHands:
         self._top_speed_m_s = top_speed_m_s
         # A gizmo that is dragged out of the plane or turned asks for nothing there.
         scale = np.array([top_speed_m_s, top_speed_m_s, *[np.inf] * 4])
-        self.devices = devices or (
-            Keys(),
-            Gizmo(tool_pose, scale),
-            GamepadDevice(),
-            SixAxesDevice(),
-        )
+        self._devices = Together(tool_pose, scale)
 
     def action(self, given: Given) -> Action:
         """(a,) the devices' sum, within the bounds."""
-        motions = [device.motion(given) for device in self.devices]
-        held = [motion.twist[:2] for motion in motions if motion.dead_man]
-        share = np.clip(np.nan_to_num(sum(held, np.zeros(2))), -1.0, 1.0)
-        return self._action_for(self._top_speed_m_s * share)
+        return self._action_for(self._top_speed_m_s * self._devices.motion(given).twist[:2])
 
     def tool_pose(self) -> NDArray[np.float64]:
         """(7,) where the gizmo belongs, its axes the world's."""
