@@ -4,9 +4,10 @@
         [--checkpoint FILE --store DIRECTORY]
 
 A policy drives under its gate until the expert has taken over; there the run is held, and headless
-Chromium takes the pictures; the same episode, recorded, is what the replay page shows. Without a
-checkpoint one is trained first by the task's plan `quick`, in a minute or more; with --expert there
-is no policy, and the expert is seen.
+Chromium takes the pictures; the same episode, recorded, is what the replay page shows. Then a
+person is the expert: the page as the robot asks for one, and as one drives. Without a checkpoint
+one is trained first by the task's plan `quick`, in a minute or more; with --expert there is no
+policy, and the expert is seen.
 """
 
 import argparse
@@ -22,11 +23,18 @@ from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import Page
+from rich.console import Console
 
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.cli.adjusting import adjusted
+from sheath_manip.cli.episodes import opened, run_all
+from sheath_manip.cli.operated import Operating
+from sheath_manip.cli.options import Address
 from sheath_manip.cli.pacing import Pacing
+from sheath_manip.cli.session import Session
+from sheath_manip.cockpit import Cockpit
+from sheath_manip.cockpit.cockpit import Ending, Turn
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.recorder import Recorder
@@ -51,6 +59,8 @@ POSE_TIMEOUT_S = 1800.0
 """training included"""
 SETTLED_MS = 2500
 """for the 3-D scene to be drawn in software"""
+DRIVEN_MS, PAUSED_MS = 700, 300
+"""by a held key, before the picture of a person who drives; and for a run to be paused"""
 
 
 class Pose:
@@ -142,12 +152,27 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
         print(path)
 
 
-def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> None:
+def info_of(
+    task: TaskEntry, environment: Environment, method: str, round: int, index: int
+) -> EpisodeInfo:
+    """Of an episode in a scene that no experiment has."""
+    return EpisodeInfo(
+        task=task.name,
+        seed=scene_seed(Purpose.LEARNING, "screenshot", index),
+        purpose=Purpose.LEARNING,
+        control_rate_hz=environment.spec.control_rate_hz,
+        method=method,
+        round=round,
+        index=index,
+    )
+
+
+def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> Subject:
     """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
     pose = Pose(with_policy=not options.expert)
-    shown: Future[str] = Future()
+    shown: Future[Dashboard] = Future()
 
-    def drive() -> None:
+    def drive() -> Subject:
         # All in one thread, because a GL context belongs to the one that made it.
         environment = task.make()
         try:
@@ -156,7 +181,7 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
             adjusting = None if fitted is None else adjusted(fitted, subject.store)
             parts = () if adjusting is None else adjusting.parts
             with Dashboard(environment.spec, port=0, gate=parts) as dashboard:
-                shown.set_result(dashboard.address)
+                shown.set_result(dashboard)
                 if adjusting is not None and adjusting.states is not None:
                     dashboard.on_fit(adjusting.states)
                 recorder = Recorder(EpisodeStore.create(folder / "recorded"))
@@ -165,14 +190,12 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
                         break
                     rollout(
                         environment,
-                        EpisodeInfo(
-                            task=task.name,
-                            seed=scene_seed(Purpose.LEARNING, "screenshot", options.scene + index),
-                            purpose=Purpose.LEARNING,
-                            control_rate_hz=environment.spec.control_rate_hz,
-                            method="expert" if fitted is None else "sheath",
-                            round=0 if fitted is None else fitted.round + 1,
-                            index=index,
+                        info_of(
+                            task,
+                            environment,
+                            "expert" if fitted is None else "sheath",
+                            0 if fitted is None else fitted.round + 1,
+                            options.scene + index,
                         ),
                         AlwaysExpert() if adjusting is None else adjusting.gate,
                         rng=generator("none"),
@@ -180,6 +203,7 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
                         expert=task.expert(environment),
                         listeners=(dashboard, recorder, pose, Pacing(4.0)),
                     )
+            return subject
         finally:
             environment.close()
 
@@ -189,13 +213,80 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
             wait_until(lambda: shown.done() or run.done(), "page", page, POSE_TIMEOUT_S)
             if run.done():
                 run.result()
-            open_dashboard(page, shown.result())
+            open_dashboard(page, shown.result().address)
             wait_until(
                 lambda: pose.struck.is_set() or run.done(), "intervention", page, POSE_TIMEOUT_S
             )
+            # Nobody has paused it, but it has the page draw the images that it has skipped.
+            shown.result().resume()
             photograph(page, LIVE_TABS, task.name, options.out)
         finally:
             pose.taken.set()
+        return run.result()
+
+
+def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
+    """The page of a run whose expert is a person: as the robot asks, and as a person drives."""
+    task, checkpoint = subject.task, subject.checkpoint
+    if task.hands is None or checkpoint is None:
+        return
+    operating = Operating(wait_s=60.0)
+    shown: Future[Cockpit] = Future()
+    addresses: list[str] = []
+    session = Session(lambda: {}, "", *(Console(file=io.StringIO()) for _ in range(2)))
+    adjusting = adjusted(checkpoint, subject.store)
+
+    def drive() -> None:
+        with (
+            operating.crew(task, Address(port=0), session, adjusting.parts) as crew,
+            opened(crew.operated(), "default") as environment,
+        ):
+            addresses.append(crew.page.address)
+            shown.set_result(crew.cockpit)
+            if adjusting.states is not None:
+                crew.page.on_fit(adjusting.states)
+            infos = (
+                info_of(task, environment, "person", checkpoint.round + 1, options.scene + index)
+                for index in count()
+            )
+            for _ in run_all(
+                environment,
+                infos,
+                crew.gate(adjusting.gate),
+                policy=checkpoint.policy,
+                expert=crew.expert(environment),
+                listeners=crew.listeners,
+            ):
+                if crew.cockpit.closed:
+                    break
+
+    def hold(turn: Turn) -> bool:
+        """Hold the run in such a turn, so that it is still so in the picture."""
+        if cockpit.turn is not turn:
+            return False
+        cockpit.pause()
+        # One more step may have begun, and have become somebody else's.
+        page.wait_for_timeout(PAUSED_MS)
+        if cockpit.turn is not turn:
+            cockpit.resume()
+        return cockpit.turn is turn
+
+    with ThreadPoolExecutor(1) as pool:
+        run = pool.submit(drive)
+        cockpit = shown.result()
+        try:
+            open_dashboard(page, addresses[0])
+            wait_until(lambda: hold(Turn.HOLD), "request for a person", page)
+            photograph(page, ("Run",), f"{task.name}-asking", options.out)
+            cockpit.resume()
+            page.keyboard.press("t")
+            page.keyboard.down(cockpit.guide[0].codes[0])
+            page.wait_for_timeout(DRIVEN_MS)
+            wait_until(lambda: hold(Turn.PERSON), "person", page)
+            photograph(page, ("Run", "Support"), f"{task.name}-person", options.out)
+        finally:
+            cockpit.close()
+            cockpit.ending = Ending.SAVE
         run.result()
 
 
@@ -244,8 +335,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             single_threaded(),
             chromium_page() as page,
         ):
-            live(page, TASKS[name], options, Path(folder))
+            subject = live(page, TASKS[name], options, Path(folder))
             recorded(page, TASKS[name], options, Path(folder))
+            operated(page, subject, options)
     return 0
 
 

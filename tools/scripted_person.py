@@ -1,7 +1,7 @@
 """A person that is a program: it looks at the robot, and drives by the page's own websocket alone.
 
 What it does it has from the task's scripted expert, put into what a person has in its hands: the
-two sticks and the buttons of a gamepad for an arm, two keys for a car.
+two sticks and the buttons of a gamepad for an arm, two keys for a car, four for a blade in a plane.
 """
 
 import time
@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from controllers.teleop.gamepad import DEAD_ZONE
+from controllers.teleop.keys import SPEED as KEY_SPEED
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.given import DEAD_MAN_BUTTON, Gamepad
 from sheath_manip.protocols import Environment, Expert
@@ -85,6 +86,13 @@ def at_the_wheel(action: Action) -> Held:
     if action[0] == 0:
         return Held()
     return Held(keys=frozenset({"KeyJ" if action[0] > 0 else "KeyL"}))
+
+
+def on_four_keys(action: Action) -> Held:
+    """The keys that move a tool in a plane so, in one of eight directions."""
+    x, y = (float(each) for each in action)
+    asked = {"KeyI": x, "KeyK": -x, "KeyJ": y, "KeyL": -y}
+    return Held(keys=frozenset(key for key, share in asked.items() if share > KEY_SPEED / 2))
 
 
 def on_the_sticks(action: Action) -> Held:

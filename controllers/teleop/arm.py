@@ -1,16 +1,13 @@
 """A person's hands on an arm: all devices together become one twist and one grip."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.teleop import keys
-from controllers.teleop.device import Device
-from controllers.teleop.gamepad import GamepadDevice
-from controllers.teleop.gizmo import Gizmo, pose_of
-from controllers.teleop.keys import Keys
-from controllers.teleop.six_axes import SixAxesDevice
+from controllers.teleop.gizmo import pose_of
+from controllers.teleop.together import Together
 from sheath_manip.cockpit.given import Given
 from sheath_manip.types import Action
 
@@ -22,6 +19,7 @@ class ArmHands:
     """
 
     dead_man = True
+    planar = False
     guide = keys.GUIDE
 
     def __init__(
@@ -29,7 +27,6 @@ class ArmHands:
         tool_pose: Callable[[], NDArray[np.float64]],
         rest: Callable[[], Action],
         twist_scale: NDArray,
-        devices: Sequence[Device] | None = None,
     ) -> None:
         """`tool_pose` gives the (4, 4) pose of the tool now, world frame.
 
@@ -38,23 +35,15 @@ class ArmHands:
         """
         self._tool_pose = tool_pose
         self._rest = rest
-        self.devices = devices or (
-            Keys(),
-            Gizmo(tool_pose, twist_scale),
-            GamepadDevice(),
-            SixAxesDevice(),
-        )
+        self._devices = Together(tool_pose, twist_scale)
 
     def action(self, given: Given) -> Action:
         """(a,) the devices' sum, within the bounds; what they leave open stays as it is."""
         action = self._rest()
-        motions = [device.motion(given) for device in self.devices]
-        held = [motion for motion in motions if motion.dead_man]
-        twist = sum((motion.twist for motion in held), np.zeros(6))
-        action[:6] = np.clip(np.nan_to_num(twist), -1.0, 1.0)
-        grips = [motion.grip for motion in held if motion.grip is not None]
-        if grips and len(action) > 6:
-            action[6] = grips[0]
+        motion = self._devices.motion(given)
+        action[:6] = motion.twist
+        if motion.grip is not None and len(action) > 6:
+            action[6] = motion.grip
         return action
 
     def tool_pose(self) -> NDArray[np.float64]:

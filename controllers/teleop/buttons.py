@@ -39,6 +39,7 @@ class ButtonHands:
     """Letting go is an action too, so there is no dead-man: going straight on, standing still."""
 
     dead_man = False
+    planar = False
 
     def __init__(
         self,

@@ -21,23 +21,29 @@ _MOVES = {
     "Digit6": (5, -1.0),
 }
 """by key: the entry of the twist and its sign"""
+SPEED, FINE_SPEED = 0.6, 0.15
+"""shares of the fastest command"""
 _CLOSE, _OPEN, _FINE = "KeyN", "KeyM", "KeyB"
-GUIDE = (
+PLANAR_GUIDE = (
     Binding(("KeyI", "KeyK"), "forward, back"),
     Binding(("KeyJ", "KeyL"), "left, right"),
+    Binding((_FINE,), "slowly, while held"),
+)
+GUIDE = (
+    *PLANAR_GUIDE[:2],
     Binding(("KeyU", "KeyO"), "up, down"),
     Binding(("Digit1", "Digit2"), "turn about x"),
     Binding(("Digit3", "Digit4"), "turn about y"),
     Binding(("Digit5", "Digit6"), "turn about z"),
     Binding((_CLOSE, _OPEN), "close, open"),
-    Binding((_FINE,), "slowly, while held"),
+    PLANAR_GUIDE[-1],
 )
 
 
 class Keys:
     """A held key moves at one speed, and so is the dead-man as well."""
 
-    def __init__(self, speed: float = 0.6, fine_speed: float = 0.15) -> None:
+    def __init__(self, speed: float = SPEED, fine_speed: float = FINE_SPEED) -> None:
         """Speeds as shares of the fastest command; the second one while the fine key is held."""
         self.speed = speed
         self.fine_speed = fine_speed

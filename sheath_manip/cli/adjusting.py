@@ -35,12 +35,7 @@ def adjusted(checkpoint: Checkpoint, store: Path | None) -> Adjusting:
     """
     seen = None if store is None else trained_on(EpisodeStore(store), checkpoint)
     dial = Dial(_boundary(checkpoint, seen))
-    gate = SupportGate(
-        checkpoint.score,
-        checkpoint.threshold,
-        release_margin=checkpoint.release_margin,
-        why=checkpoint.reason,
-    )
+    gate = support_gate(checkpoint)
     parts: tuple[Maker, ...] = (partial(ThresholdSlider, dial=dial),)
     nu = checkpoint.signal_choice.hyperparameters.get("nu")
     if seen is not None and nu is not None:
@@ -50,6 +45,16 @@ def adjusted(checkpoint: Checkpoint, store: Path | None) -> Adjusting:
 
         parts = (*parts, partial(NuSlider, dial=dial, refit=refit, nu=float(nu)))
     return Adjusting(Adjustable(gate, dial), parts, None if seen is None else seen.states)
+
+
+def support_gate(checkpoint: Checkpoint) -> SupportGate:
+    """The gate that goes by what the checkpoint learned."""
+    return SupportGate(
+        checkpoint.score,
+        checkpoint.threshold,
+        release_margin=checkpoint.release_margin,
+        why=checkpoint.reason,
+    )
 
 
 def _boundary(checkpoint: Checkpoint, seen: TrainedOn | None) -> Boundary:

@@ -19,6 +19,7 @@ from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
     from sheath_manip.dashboard import Dashboard
+    from sheath_manip.dashboard.part import Maker
 
 PERSON = "person"
 """the name of a person among a task's experts"""
@@ -49,8 +50,17 @@ class Operating:
                 raise ParameterError(f"--{name} {value} is for a person; wanted --expert {PERSON}")
 
     @contextmanager
-    def crew(self, task: TaskEntry, address: Address, session: Session) -> Iterator["Crew"]:
-        """The page with its controls, and the parts of a run that go with it."""
+    def crew(
+        self,
+        task: TaskEntry,
+        address: Address,
+        session: Session,
+        gate: "tuple[Maker, ...]" = (),
+    ) -> Iterator["Crew"]:
+        """The page with its controls, and the parts of a run that go with it.
+
+        `gate` are the sliders of an adjustable gate.
+        """
         if task.hands is None:
             raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with hands")
         if not self.wait_s >= 0:
@@ -59,7 +69,8 @@ class Operating:
         spec, hands = probe.spec, task.hands(probe)
         task.make_expert(probe, self.fallback)
         probe.close()
-        cockpit = Cockpit(hands.guide, paced=True)
+        stand_in = "scripted expert" if self.fallback == SCRIPTED else f"stand-in “{self.fallback}”"
+        cockpit = Cockpit(hands.guide, paced=True, stand_in=stand_in, planar=hands.planar)
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         with ExitStack() as stack:
             if self.spacemouse:
@@ -67,7 +78,7 @@ class Operating:
                 from sheath_manip.cockpit.spacemouse import SpaceMouse
 
                 stack.enter_context(SpaceMouse(cockpit))
-            page = stack.enter_context(address.dashboard(spec, session, cockpit))
+            page = stack.enter_context(address.dashboard(spec, session, cockpit, gate))
             yield Crew(task, self, spec, cockpit, hands.dead_man, (page, pacing))
 
 

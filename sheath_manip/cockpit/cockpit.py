@@ -79,6 +79,8 @@ class State:
     """until somebody else acts in the person's place"""
     operator: str | None = None
     """the station that drives"""
+    stand_in: str = "stand-in"
+    """who acts where nobody comes, in words"""
 
 
 class Cockpit:
@@ -93,6 +95,8 @@ class Cockpit:
         guide: tuple[Binding, ...] = (),
         clock: Callable[[], float] = time.monotonic,
         paced: bool = False,
+        stand_in: str = State.stand_in,
+        planar: bool = False,
     ) -> None:
         """Begin with a run that goes on, at the task's own pace.
 
@@ -100,9 +104,12 @@ class Cockpit:
             guide: the keys by which a person drives; without any the run may only be held.
             clock: seconds that never go back.
             paced: whether the loop keeps to `speed`.
+            stand_in: who acts where a person is asked and does not come, in words.
+            planar: whether what a gizmo moves stays level and at its height.
         """
         self.guide = guide
         self.paced = paced
+        self.planar = planar
         self.on_change: Callable[[], None] = lambda: None
         """called on the loop's thread where there is something new to show; returns at once"""
         self.lease = Lease(clock)
@@ -114,7 +121,7 @@ class Cockpit:
         self._goal: NDArray[np.float64] | None = None
         self._axes: tuple[float, SixAxes] | None = None
         self._closed = False
-        self._state = State(operated=bool(guide))
+        self._state = State(operated=bool(guide), stand_in=stand_in)
         self._steps = 0
         self._abandoned = False
         self.given = EMPTY

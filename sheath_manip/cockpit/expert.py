@@ -26,6 +26,11 @@ class Hands(Protocol):
         """Whether the robot holds while no device is held; else to hold none is an action."""
         ...
 
+    @property
+    def planar(self) -> bool:
+        """Whether what a gizmo moves stays level and at its height."""
+        ...
+
     def action(self, given: Given) -> Action:
         """(a,) within the task's bounds, whatever the devices say."""
         ...

@@ -48,7 +48,7 @@ def live(
             Cameras,
             partial(ToolGizmo, cockpit=cockpit),
         ),
-        head=(Trouble, Banner, partial(Controls, cockpit=cockpit)),
+        head=(Trouble, partial(Banner, cockpit=cockpit), partial(Controls, cockpit=cockpit)),
         tabs={
             "Run": (
                 ScorePlot,

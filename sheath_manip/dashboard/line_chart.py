@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sheath_manip.dashboard import palette
 
 WIDTH, HEIGHT = 320, 130
 LEFT, RIGHT, TOP, BOTTOM = 38, 8, 8, 18
-TICKS = 3
+INTERVALS = 3
+"""between grid lines, and one more where they do not fit"""
 # Okabe and Ito's, the policy's and the expert's first.
 COLOURS: tuple[palette.Rgb, ...] = (
     (0, 114, 178),
@@ -31,9 +33,8 @@ def line_chart(lines: Mapping[str, Points], low: float | None = None) -> str:
         return ""
     x_low, x_high = min(x for x, _ in known), max(x for x, _ in known)
     y_low, y_high = min(y for _, y in known), max(y for _, y in known)
-    y_low = y_low if low is None else min(low, y_low)
-    if y_high - y_low < 1e-9:
-        y_high = y_low + 1.0
+    ticks = _ticks(y_low if low is None else min(low, y_low), y_high)
+    y_low, y_high = ticks[0], ticks[-1]
 
     def place(x: float, y: float) -> tuple[float, float]:
         across = (x - x_low) / max(x_high - x_low, 1e-9)
@@ -42,7 +43,7 @@ def line_chart(lines: Mapping[str, Points], low: float | None = None) -> str:
             HEIGHT - TOP - BOTTOM
         )
 
-    pieces = [_grid(y, *place(x_low, y)) for y in np.linspace(y_low, y_high, TICKS)]
+    pieces = [_grid(y, *place(x_low, y)) for y in ticks]
     for x in sorted({round(x_low), round((x_low + x_high) / 2), round(x_high)}):
         column, _ = place(x, y_low)
         pieces.append(_text(column, HEIGHT - 4, f"{x:g}", "middle"))
@@ -63,6 +64,15 @@ def line_chart(lines: Mapping[str, Points], low: float | None = None) -> str:
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" style="width:100%" '
         f'font-size="10" fill="currentColor">{"".join(pieces)}</svg><div>{names}</div>'
     )
+
+
+def _ticks(low: float, high: float) -> NDArray[np.float64]:
+    """Round numbers around `low` .. `high`."""
+    rough = (high - low if high - low > 1e-9 else 1.0) / INTERVALS
+    power = 10.0 ** np.floor(np.log10(rough))
+    step = power * next(each for each in (1, 2, 2.5, 5, 10) if each * power > rough * (1 - 1e-9))
+    first, last = np.floor(low / step + 1e-9), np.ceil(high / step - 1e-9)
+    return step * np.arange(first, max(last, first + 1) + 1)
 
 
 def _grid(value: float, column: float, row: float) -> str:

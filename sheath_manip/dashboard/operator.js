@@ -12,7 +12,7 @@ function (settings) {
   banner.style.cssText =
     "position:fixed;top:14px;left:calc(50vw - 190px);transform:translateX(-50%);z-index:10000;" +
     "display:none;pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
-    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:44vw";
+    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:38vw";
   document.body.appendChild(banner);
 
   const send = (message) => {
@@ -81,10 +81,12 @@ function (settings) {
       banner.style.background = colour;
       banner.textContent = text;
     };
-    const wait = state.left_s == null ? "" : ` Somebody else acts in ${state.left_s} s.`;
+    const wait = state.left_s == null ? "" : ` The ${state.stand_in} acts in ${state.left_s} s.`;
+    const alone = state.asking && !state.mine && !state.others;
     if (state.stopped) say("EMERGENCY STOP. R resets it.", "#be1e2d");
-    else if (state.asking && !state.mine && !state.others)
-      say(`The robot asks for you: take over with T.${wait}`, "#d55e00");
+    else if (alone && state.turn === "fallback")
+      say(`Nobody came, so the ${state.stand_in} acts. Take over with T.`, "#d55e00");
+    else if (alone) say(`The robot holds and asks for you: take over with T.${wait}`, "#d55e00");
     else if (state.others) say("Another page drives; you watch. Space stops the robot.", "#6e747c");
     else if (state.mine && state.turn !== "person")
       say("You have taken over; the robot holds until you move it. H hands back.", "#008764");

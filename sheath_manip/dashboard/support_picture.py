@@ -67,6 +67,11 @@ class SupportPicture:
     ) -> None:
         low, high = _window(ground, training)
         metres = high - low
+        # A window higher than wide would leave the panel's width unused.
+        missing_m = max(0.0, metres[1] * WIDTH_PX / MAX_HEIGHT_PX - metres[0])
+        beside_m = np.array([missing_m / 2, 0.0])
+        low, high = low - beside_m, high + beside_m
+        metres = high - low
         self._scale = min(WIDTH_PX / metres[0], MAX_HEIGHT_PX / metres[1])
         self._low, self._high = low, high
         self._width, self._height = (int(v) for v in np.maximum(np.rint(metres * self._scale), 1))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard import palette
+from sheath_manip.dashboard.acting import acting_and_why
 from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.trace import REASONS, Trace
 from sheath_manip.dataset.naming import episode_name
@@ -39,7 +40,7 @@ def _facts(film: Film, trace: Trace) -> dict[str, object]:
     ]
     kinds = list(dict.fromkeys(colours))
     legend = {
-        colour: f"expert: {REASONS[reason].value}" if by_expert else "policy"
+        colour: acting_and_why(bool(by_expert), REASONS[reason])
         for colour, by_expert, reason in zip(colours, trace.by_expert, trace.reason, strict=True)
     }
     return {

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.hold import Hold
+from controllers.teleop.planar import PlanarHands
 from sheath_manip.plan import LearningPlan
 from sheath_manip.task import TaskEntry
 from tasks.composer_environment import ComposerEnvironment
@@ -15,7 +16,7 @@ from tasks.gauze_cutting.expert import GauzeExpert, task_of
 from tasks.gauze_cutting.open_loops import blind, registered
 from tasks.gauze_cutting.probes import PROBES
 from tasks.gauze_cutting.scene import CALM
-from tasks.gauze_cutting.steering import HEADING_CHANGE
+from tasks.gauze_cutting.steering import HEADING_CHANGE, TOP_SPEED_M_S
 from tasks.gauze_cutting.task import GauzeTask, Scenario
 
 
@@ -27,6 +28,16 @@ def make(scenario: Scenario) -> ComposerEnvironment:
 def hold(environment: ComposerEnvironment) -> Hold:
     """Stands still."""
     return Hold(task_of(environment).rest)
+
+
+def hands(environment: ComposerEnvironment) -> PlanarHands:
+    """A person's, on the blade."""
+    task = task_of(environment)
+    return PlanarHands(
+        task.drive.commanded_tool_pose,
+        lambda velocity: task.scenario.steering.action_for(velocity, task.heading),
+        TOP_SPEED_M_S,
+    )
 
 
 def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
@@ -64,6 +75,7 @@ GAUZE_CUTTING = TaskEntry(
         "calm": partial(make, Scenario(difficulty=CALM)),
     },
     expert=GauzeExpert,
+    hands=hands,
     stand_ins={"hold": hold},
     plans={
         "full": _FULL,

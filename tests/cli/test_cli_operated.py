@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import sheath_manip.dashboard
@@ -90,6 +91,27 @@ def test_run_asks_a_person_and_falls_back(sheath, made, tmp_path):
     assert {Reason.INSIDE, Reason.WAITING} <= set(reasons(store))
 
 
+def test_a_persons_run_has_the_gates_sliders(sheath, made, monkeypatch, tmp_path):
+    """At a threshold that a person has moved up no state is inside."""
+    sliders: list[int] = []
+
+    class Noted(Dashboard):
+        def __init__(self, spec, *, gate=(), **options) -> None:
+            super().__init__(spec, gate=gate, **options)
+            dial = gate[0].keywords["dial"]
+            sliders.append(len(gate))
+            dial.boundary = dial.boundary.at(np.finfo(float).max)
+
+    monkeypatch.setattr(sheath_manip.dashboard, "Dashboard", Noted)
+    argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 1, "--port", 0)
+    person = ("--expert", "person", "--wait-s", 0, "--fallback", "hold")
+    store = tmp_path / "store"
+    assert sheath(*argv, *person, "--store", store)[0] == 0
+    assert set(reasons(store)) == {Reason.NO_ANSWER}
+    assert sheath(*argv, *person, "--trained-on", made / "store")[0] == 0
+    assert sliders == [1, 2]
+
+
 def test_learn_with_a_person(sheath, at_the_page, tmp_path):
     runs = tmp_path / "runs"
     argv = ("learn", "corridor", "--runs", runs, *SMALL, "--port", 0)
@@ -118,6 +140,7 @@ def test_learn_with_the_scripted_expert(sheath, tmp_path):
 def test_what_is_for_a_person_wants_one(complaint, made):
     run = ("run", "corridor", "--checkpoint", made / "first.npz")
     assert "--expert person" in complaint(*run, "--wait-s", 3)
+    assert "--expert person" in complaint(*run, "--trained-on", made / "store")
     assert "a policy alone" in complaint(*run, "--expert", "person", "--policy-alone")
     said = complaint(*run, "--expert", "person", "--fallback", "nobody", "--port", 0)
     assert "unknown expert of corridor 'nobody'; known: hold, scripted" in said

@@ -13,13 +13,15 @@ from playwright.sync_api import Page
 
 from sheath_manip.cockpit import Order
 from sheath_manip.cockpit.cockpit import Turn
-from sheath_manip.dashboard.parts.tool_gizmo import SCALE_M
+from sheath_manip.dashboard.parts.tool_gizmo import SHARE_OF_VIEW
 from sheath_manip.types import Actor, Reason
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
 from tests.waiting import eventually
 from tools.chromium import CHROMIUM, FLAGS, chromium_page, open_dashboard, wait_until
 from tools.station import Station
 
+# Of the size of what the task first shows around the tool.
+ARROW_M = SHARE_OF_VIEW * 0.55
 pytestmark = pytest.mark.browser
 
 
@@ -126,8 +128,8 @@ def test_the_gizmo_drags_the_arm(grasp, opened):
     # The head of the arrow along the tool's second axis, which lies across the table: nearer to the
     # middle the arcs for turning may lie before it.
     across = rotation_of(pose[3:])[:, 1]
-    start = pixel_of(camera, pose[:3] + 0.95 * SCALE_M * across)
-    end = pixel_of(camera, pose[:3] + (0.95 * SCALE_M + 0.1) * across)
+    start = pixel_of(camera, pose[:3] + 0.95 * ARROW_M * across)
+    end = pixel_of(camera, pose[:3] + (0.95 * ARROW_M + 0.1) * across)
     from_m = grasp.tool_m.copy()
     page.mouse.move(*start)
     page.wait_for_timeout(300)
@@ -197,13 +199,15 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     page = opened
     heard = page.evaluate("sheathOperator.beeps")
     grasp.inside = False
-    page.get_by_text("The robot asks for you").wait_for()
+    page.get_by_text("The robot holds and asks for you").wait_for()
+    page.get_by_text("Robot holds", exact=True).wait_for()
     assert grasp.steps[-1].decision.reason is Reason.WAITING
     page.wait_for_function(f"sheathOperator.beeps > {heard}")
     page.keyboard.press("t")
     page.keyboard.down("u")
     grasp.until_turn(Turn.PERSON)
     assert moved_m(grasp, page, 0.02)[2] > 0.01
+    page.get_by_text("Person acts").wait_for()
     page.keyboard.up("u")
     grasp.inside = True
     page.keyboard.press("h")

@@ -21,11 +21,21 @@ from tasks.composer_environment import ComposerEnvironment
 from tasks.driving.entry import DRIVING
 from tasks.driving.task import DrivingTask
 from tasks.driving.task import Scenario as DrivingScenario
+from tasks.gauze_cutting.entry import GAUZE_CUTTING
+from tasks.gauze_cutting.task import GauzeTask
+from tasks.gauze_cutting.task import Scenario as GauzeScenario
 from tasks.grasp_clutter.entry import GRASP_CLUTTER
 from tasks.grasp_clutter.scene import EASY
 from tasks.grasp_clutter.task import GraspTask
 from tasks.grasp_clutter.task import Scenario as GraspScenario
-from tools.scripted_person import Absent, Held, ScriptedPerson, at_the_wheel, on_the_sticks
+from tools.scripted_person import (
+    Absent,
+    Held,
+    ScriptedPerson,
+    at_the_wheel,
+    on_four_keys,
+    on_the_sticks,
+)
 from tools.station import Station
 
 CALM_STEPS = 4
@@ -93,13 +103,34 @@ def assert_recorded(store: EpisodeStore, episode: Episode) -> Episode:
     return read
 
 
-def test_a_grasp(tmp_path: Path):
-    inner = ComposerEnvironment(GraspTask(GraspScenario(difficulty=EASY, cameras=())))
+def test_a_grasp_from_which_a_policy_learns(tmp_path: Path):
+    inner = ComposerEnvironment(GraspTask(GraspScenario(difficulty=EASY, cameras=("wrist",))))
     store = EpisodeStore.create(tmp_path / "store")
     episode = operated_episode(GRASP_CLUTTER, inner, on_the_sticks, store, seed=5)
     assert episode.outcome is Outcome.SUCCESS
-    assert_recorded(store, episode)
     assert any(step.limited for step in episode.steps)
+    states = samples_from([assert_recorded(store, episode)])
+
+    def squared_error(steps: int) -> float:
+        policy = make_policy("spatial-cnn", inner.spec, seed=0, steps=steps, batch_size=32)
+        predicted = policy.fit(states).predict(states.images, states.features)
+        return float(((predicted - states.labels) ** 2).mean())
+
+    learned = squared_error(steps=80)
+    assert learned < 0.2 * squared_error(steps=0)
+    # Nor is it the mean action, whatever is seen.
+    assert learned < 0.4 * states.labels.var(axis=0).mean()
+    inner.close()
+
+
+@pytest.mark.slow
+def test_a_disc_is_cut_out_by_four_keys(tmp_path: Path):
+    inner = ComposerEnvironment(GauzeTask(GauzeScenario(cameras=())))
+    store = EpisodeStore.create(tmp_path / "store")
+    episode = operated_episode(GAUZE_CUTTING, inner, on_four_keys, store, seed=20)
+    assert episode.outcome is Outcome.SUCCESS
+    assert episode.metrics["deviation_mm"] < 1.0
+    assert_recorded(store, episode)
     inner.close()
 
 

@@ -14,6 +14,7 @@ from controllers.teleop.device import Device
 from controllers.teleop.gamepad import GamepadDevice
 from controllers.teleop.gizmo import Gizmo, pose_of, transform_of
 from controllers.teleop.keys import GUIDE, Keys
+from controllers.teleop.planar import PlanarHands
 from controllers.teleop.six_axes import SixAxesDevice
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
 from sheath_manip.cockpit.guide import Binding
@@ -79,6 +80,28 @@ def test_devices_add_up_and_what_they_leave_open_stays():
     action = arm().action(Given(frozenset({"KeyI"}), pad))
     np.testing.assert_allclose(action, [0.6, 0, 1, 0, 0, 0, 0.3], atol=1e-6)
     np.testing.assert_allclose(arm().action(Given()), [0, 0, 0, 0, 0, 0, 0.3], atol=1e-6)
+
+
+def planar() -> PlanarHands:
+    return PlanarHands(lambda: HERE, lambda velocity: np.array(velocity, np.float32), 0.03)
+
+
+@given(anything)
+@settings(max_examples=60, deadline=None)
+def test_in_a_plane_nothing_is_faster_than_it_may_be(given):
+    velocity = planar().action(given)
+    assert np.isfinite(velocity).all()
+    assert np.abs(velocity).max() <= np.float32(0.03)
+
+
+def test_in_a_plane_devices_add_up_and_depth_and_turn_are_not_theirs():
+    keys = Given(frozenset({"KeyI", "KeyU", "Digit5"}), Gamepad((-0.55, 0, 1, 1), frozenset({4})))
+    np.testing.assert_allclose(planar().action(keys), [0.018, 0.015], atol=1e-6)
+    goal = pose_of(HERE)
+    goal[:3] += 0.0015, 0.003, -0.2
+    dragged = planar().action(Given(goal=goal))
+    np.testing.assert_allclose(dragged, [0.006, 0.012], atol=1e-6)
+    assert not planar().action(Given()).any()
 
 
 def test_a_fine_key_slows_down_and_opposite_keys_cancel():

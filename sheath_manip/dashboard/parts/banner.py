@@ -4,39 +4,60 @@ from html import escape
 
 import numpy as np
 
+from sheath_manip.cockpit import Cockpit
+from sheath_manip.cockpit.cockpit import State, Turn
 from sheath_manip.dashboard import palette
+from sheath_manip.dashboard.acting import acting
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.types import Actor, GateDecision, Outcome
+from sheath_manip.types import Actor, GateDecision, Reason
 
 
 class Banner:
     """Who acts, for which reason, at which score; or how the episode ended."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._box = desk.viser.gui.add_html(_banner(None, None))
+    def __init__(self, desk: Desk, cockpit: Cockpit | None = None) -> None:
+        """`cockpit` is a live run's: while that stands still, its last step tells nothing."""
+        self._cockpit = cockpit
+        self._box = desk.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
 
     def draw(self, moment: Moment) -> None:
         """Show the latest decision."""
-        self._box.content = _banner(
-            None if moment.step is None else moment.step.decision, moment.outcome
-        )
+        state = None if self._cockpit is None else self._cockpit.state
+        if moment.outcome is not None:
+            colour = palette.OUTCOME[moment.outcome]
+            self._box.content = _box(colour, moment.outcome.value, "episode over")
+        elif state is not None and moment.present and _stands_still(state):
+            reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
+            self._box.content = _box(palette.turn(True, reason), acting(True, reason), reason.value)
+        elif moment.step is not None:
+            stand_in = State.stand_in if state is None else state.stand_in
+            self._box.content = _banner(moment.step.decision, stand_in)
 
 
-def _banner(decision: GateDecision | None, outcome: Outcome | None) -> str:
-    if decision is None:
-        colour, title, below = palette.GREY, "Waiting", "for the first step"
-    else:
-        colour = palette.turn(decision.actor is Actor.EXPERT, decision.reason)
-        title = f"{decision.actor.value.capitalize()} acts"
-        below = decision.reason.value
-        if np.isfinite(decision.score) and np.isfinite(decision.threshold):
-            sign = "≥" if decision.score >= decision.threshold else "<"
-            below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
-    if outcome is not None:
-        colour, title, below = palette.OUTCOME[outcome], outcome.value.capitalize(), "episode over"
+def _stands_still(state: State) -> bool:
+    """Whether nothing moves until a person says so; a car's last step was somebody else's."""
+    return state.turn is Turn.HOLD and (state.stopped or state.asking)
+
+
+def _banner(decision: GateDecision, stand_in: str) -> str:
+    by_expert, reason = decision.actor is Actor.EXPERT, decision.reason
+    below = reason.value
+    if np.isfinite(decision.score) and np.isfinite(decision.threshold):
+        sign = "≥" if decision.score >= decision.threshold else "<"
+        below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
+    return _box(palette.turn(by_expert, reason), acting(by_expert, reason, stand_in), below)
+
+
+def _box(colour: palette.Rgb, title: str, below: str) -> str:
+    ink = palette.css(palette.INK) if sum(colour) > _BRIGHT else "white"
+    title = escape(title[:1].upper() + title[1:])
     return (
-        f'<div style="{BOX};background:{palette.css(colour)}">'
-        f'<div style="font-size:1.7em;font-weight:700">{escape(title)}</div>{escape(below)}</div>'
+        f'<div style="{BOX};color:{ink};background:{palette.css(colour)}">'
+        f'<div style="font-size:1.7em;font-weight:700">{title}</div>{escape(below)}</div>'
     )
+
+
+_BRIGHT = 500
+"""of red, green and blue together: white letters could not be read on it"""

@@ -9,6 +9,7 @@ from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.seldom import Seldom
 
 WIDTH_PX = 220
+"""no less: viser would cut off what is in the window"""
 MARGIN_PX = 15
 RATE_HZ = 6.0
 

@@ -31,7 +31,9 @@ class Controls:
         self.stop = gui.add_button("STOP (Space)", color="red", visible=operated)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
         self.pause = gui.add_button("Pause (P)", color="gray", icon=viser.Icon.PLAYER_PAUSE)
-        self.step = gui.add_button("One step (.)", color="gray", icon=viser.Icon.PLAYER_TRACK_NEXT)
+        self.step = gui.add_button(
+            "One step (.)", color="gray", icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
+        )
         self.speed = gui.add_slider(
             "Speed", min=SLOWEST, max=FASTEST, step=0.1, initial_value=1.0, visible=cockpit.paced
         )
@@ -62,7 +64,7 @@ class Controls:
         self.pause.label = "Resume (P)" if paused else "Pause (P)"
         self.pause.icon = viser.Icon.PLAYER_PLAY if paused else viser.Icon.PLAYER_PAUSE
         self.pause.color = "green" if paused else "gray"
-        self.step.disabled = not paused
+        self.step.visible = paused
 
     def _bind(self, button: viser.GuiButtonHandle, meant: Callable[[State], Order]) -> None:
         @button.on_click

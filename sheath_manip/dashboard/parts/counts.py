@@ -26,7 +26,9 @@ class Counts:
         """Show the counts so far."""
         episode = moment.episode
         series = moment.series if self._with_series else None
-        self._facts.content = _facts(moment.info, episode.steps, self._max_steps)
+        # What is recorded has all its steps.
+        most = self._max_steps if self._with_series else len(moment.trace)
+        self._facts.content = _facts(moment.info, episode.steps, most)
         self._counts.content = _counts(moment.info, episode, series, moment.outcomes)
         # The text first: an empty box would be seen for a moment otherwise.
         now = () if moment.step is None else moment.step.limited
@@ -34,11 +36,11 @@ class Counts:
         self._limited.visible = (series or episode).limited_steps > 0
 
 
-def _facts(info: EpisodeInfo, steps: int, max_steps: int) -> str:
+def _facts(info: EpisodeInfo, steps: int, most: int) -> str:
     where = (info.method, info.purpose.value, f"round {info.round}", f"episode {info.index}")
     return (
         f'<div style="{TEXT}">{escape(" · ".join(filter(None, where)))}<br>'
-        f"step {steps} of {max_steps}"
+        f"step {steps} of {most}"
         f'<span style="opacity:.6"> · scene {info.seed}</span></div>'
     )
 
@@ -68,22 +70,21 @@ def _counts(
         cells = "".join(f"<td>{count(share)}</td>" for share in shares)
         return f'<tr><td style="opacity:.6;text-align:left">{name}</td>{cells}</tr>'
 
+    # Of one episode alone they stand above.
+    steps = "" if series is None else row("steps", lambda share: share.steps)
     every = escape(" ".join(filter(None, (info.method, info.purpose.value))))
-    headings = "".join(
-        f"<td>{each}</td>" for each in ("this episode", f"all {every}")[: len(shares)]
-    )
+    headings = f"<td></td><td>this episode</td><td>all {every}</td>" if series else ""
     ended = " &nbsp; ".join(
         f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">'
         f"<b>{outcomes.get(outcome, 0)}</b> {escape(outcome.value)}</span>"
         for outcome in Outcome
     )
     return (
-        f'<div style="{TEXT}"><table style="width:100%;text-align:right">'
-        f'<tr style="opacity:.6"><td></td>{headings}</tr>'
+        f'<div style="{TEXT}"><table style="width:100%;text-align:right;line-height:1.25">'
+        f'<tr style="opacity:.6">{headings}</tr>'
         f"{row('expert acted', lambda share: f'{share.expert_share:.0%}')}"
         f"{row('interventions', lambda share: share.interventions)}"
         f"{row('switches', lambda share: share.switches)}"
         f"{row('labels', lambda share: share.queries)}"
-        f"{row('steps', lambda share: share.steps)}"
-        f'</table><div style="margin-top:0.3em">{ended}</div></div>'
+        f'{steps}</table><div style="margin-top:0.3em">{ended}</div></div>'
     )

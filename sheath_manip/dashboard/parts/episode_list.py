@@ -14,6 +14,7 @@ from sheath_manip.dataset.reader import EpisodeSummary
 
 AROUND = 12
 """rows of the table before and after the one that is on"""
+_LEFT = "text-align:left;padding-left:.6em"
 
 
 class EpisodeList:
@@ -67,10 +68,10 @@ def _table(shown: list[tuple[int, EpisodeSummary]], place: int, count: int) -> s
     rows = "".join(_row(number, summary, number == place) for number, summary in shown)
     return (
         f'<div style="{TEXT}"><table style="width:100%;border-collapse:collapse;text-align:right">'
-        '<tr style="opacity:.6"><td></td><td style="text-align:left">who</td><td>round</td>'
-        "<td>steps</td><td>expert</td><td>outcome</td></tr>"
-        f'{rows}</table><span style="opacity:.6">{count} episodes · * marked by a person</span>'
-        "</div>"
+        f'<tr style="opacity:.6"><td></td><td style="{_LEFT}">who</td>'
+        "<td>round</td><td>steps</td><td>expert</td><td>outcome</td></tr>"
+        f'{rows}</table><span style="opacity:.6">{count} episode{"s" * (count != 1)} · '
+        "* marked by a person</span></div>"
     )
 
 
@@ -81,7 +82,7 @@ def _row(number: int, summary: EpisodeSummary, is_on: bool) -> str:
     colour = palette.css(palette.OUTCOME[summary.outcome])
     background = "background:#80808030;font-weight:600" if is_on else ""
     return (
-        f'<tr style="{background}"><td>{number}</td><td style="text-align:left">{who}</td>'
+        f'<tr style="{background}"><td>{number}</td><td style="{_LEFT}">{who}</td>'
         f"<td>{info.round}</td><td>{summary.length}</td><td>{summary.expert_share:.0%}</td>"
         f'<td style="color:{colour}">{escape(summary.outcome.value)}{"*" * marked}</td></tr>'
     )

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import viser
 
-from sheath_manip.dashboard.markup import caption
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.trace import REASONS, Trace
@@ -25,13 +24,14 @@ class Interventions:
     ) -> None:
         """`look_at` shows a step, `release` the present; what is recorded has none."""
         gui = desk.viser.gui
-        gui.add_html(caption("Interventions", "choose one to look at it"))
         self._look_at = look_at
         self._starts: list[int] = []
         self._at = -1
         self._options: tuple[str, ...] = (NONE,)
-        self._list = gui.add_dropdown("begun", self._options, hint="jump to where it begins")
-        self._move = gui.add_button_group("jump", ("‹ before", "next ›"))
+        self._list = gui.add_dropdown(
+            "Interventions", self._options, hint="choose one to look at it"
+        )
+        self._move = gui.add_button_group("Jump", ("‹ before", "next ›"))
         self._back = gui.add_button(
             "Back to the present", icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
         )
@@ -62,6 +62,10 @@ class Interventions:
         options = tuple(_line(number, moment.trace, *turn) for number, turn in turns) or (NONE,)
         if options != self._options:
             self._list.options = self._options = options
+        # The one under way, or the last before.
+        shown = options[max(0, sum(start <= moment.at for start in self._starts) - 1)]
+        if self._list.value != shown:
+            self._list.value = shown
         self._back.visible = self._has_present and not moment.present
 
     def _jump(self, forward: bool) -> None:
@@ -78,5 +82,6 @@ class Interventions:
 def _line(number: int, trace: Trace, start: int, stop: int) -> str:
     """Begins with its number, so that no two are alike; one that may still grow has no length."""
     reason = REASONS[trace.reason[start]].value
-    length = f" · {stop - start} steps" if stop < len(trace) else ""
+    steps = stop - start
+    length = f" · {steps} step{'s' * (steps != 1)}" if stop < len(trace) else ""
     return f"{number} · {trace.time_s[start]:.1f} s · {reason}{length}"

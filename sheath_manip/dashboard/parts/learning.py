@@ -11,7 +11,7 @@ from sheath_manip.dashboard.part import Desk
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
 from sheath_manip.results import RoundResult
 
-NO_ROUND = "The curves appear here with the first round of learning."
+NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with the first round."
 
 
 class LearningCurves:
@@ -34,8 +34,8 @@ class LearningCurves:
             ("Policy alone failed", "share of held-out scenes"),
             ("Expert acted", "share of the round's steps"),
         ):
-            gui.add_html(caption(title, detail))
-            self._drawn.append(gui.add_html(""))
+            html = gui.add_html("", visible=False)
+            self._drawn.append((caption(title, detail), html))
         self._results: Sequence[RoundResult] = ()
 
     def draw(self, moment: Moment) -> None:
@@ -44,8 +44,10 @@ class LearningCurves:
             return
         self._results = moment.results
         self._note.visible = not moment.results
-        for (value, low), html in zip(self._charts, self._drawn, strict=True):
-            html.content = f'<div style="{TEXT}">{_chart(moment.results, value, low)}</div>'
+        for (value, low), (title, html) in zip(self._charts, self._drawn, strict=True):
+            chart = _chart(moment.results, value, low)
+            html.content = f'{title}<div style="{TEXT}">{chart}</div>'
+            html.visible = bool(chart)
 
 
 def _chart(

@@ -11,6 +11,8 @@ from sheath_manip.dashboard.part import Desk
 from sheath_manip.types import Actor
 
 HEIGHT_PX = 140
+PADDING_PX = (10, 10, 0, 0)
+"""top, right, bottom, left: the uppermost number and line are not cut off"""
 WINDOW_STEPS = 300
 FONT = "12px sans-serif"
 AXIS = Axis(
@@ -61,6 +63,7 @@ class ScorePlot:
             ),
             legend={"show": False},
             height=HEIGHT_PX,
+            padding=PADDING_PX,
             visible=False,
         )
 

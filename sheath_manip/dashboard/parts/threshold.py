@@ -1,9 +1,9 @@
 """Sliders that move the gate's boundary: its threshold, and nu of its support."""
 
+import math
 import threading
 from collections.abc import Callable
 
-import numpy as np
 import viser
 
 from sheath_manip.dashboard.markup import caption, note
@@ -11,7 +11,7 @@ from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.gates.adjustable import Boundary, Dial
 
-SLIDER_STEPS = 200
+LEAST_STEPS = 100
 LEAST_NU, MOST_NU = 0.005, 0.6
 FITTING = "fitting the support with ν = {nu:g} …"
 
@@ -34,6 +34,7 @@ class ThresholdSlider:
             step=_step(boundary),
             initial_value=boundary.threshold,
         )
+        self._span(boundary)
 
         @self.slider.on_update
         async def _(event: viser.GuiEvent) -> None:
@@ -49,10 +50,17 @@ class ThresholdSlider:
         boundary = self._dial.boundary
         if boundary is self._shown and self.slider.value == boundary.threshold:
             return
-        self.slider.min, self.slider.max = boundary.lowest, boundary.highest
-        self.slider.step = _step(boundary)
+        self._span(boundary)
         self.slider.value = boundary.threshold
         self._shown = boundary
+
+    def _span(self, boundary: Boundary) -> None:
+        """Begin and end on round numbers, around all that the boundary allows."""
+        step = _step(boundary)
+        digits = max(0, -math.floor(math.log10(step)))
+        self.slider.step, self.slider.precision = step, digits
+        self.slider.min = round(step * math.floor(boundary.lowest / step), digits)
+        self.slider.max = round(step * math.ceil(boundary.highest / step), digits)
 
 
 class NuSlider:
@@ -106,7 +114,8 @@ class NuSlider:
 
 
 def _step(boundary: Boundary) -> float:
-    return float(np.ptp([boundary.lowest, boundary.highest])) / SLIDER_STEPS
+    """A power of ten: some hundred of them from end to end."""
+    return 10.0 ** math.floor(math.log10((boundary.highest - boundary.lowest) / LEAST_STEPS))
 
 
 def _note(nu: float, told: str) -> str:

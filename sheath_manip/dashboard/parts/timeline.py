@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard import palette
+from sheath_manip.dashboard.acting import acting_and_why
 from sheath_manip.dashboard.markup import TEXT, caption
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
@@ -89,7 +90,8 @@ def _legend(trace: Trace) -> str:
         entries.append(("policy", palette.turn(False, Reason.INSIDE)))
     occurred = np.unique(trace.reason[trace.by_expert])
     entries += [
-        (f"expert: {REASONS[code].value}", palette.turn(True, REASONS[code])) for code in occurred
+        (acting_and_why(True, REASONS[code]), palette.turn(True, REASONS[code]))
+        for code in occurred
     ]
     if trace.limited.any():
         entries.append(("command limited", palette.LIMITED))

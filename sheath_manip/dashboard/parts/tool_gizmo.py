@@ -9,7 +9,8 @@ from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
 
-SCALE_M = 0.14
+SCALE_M, SHARE_OF_VIEW = 0.14, 0.25
+"""length of its arrows, the second one as a share of what is seen around the tool at first"""
 
 
 class ToolGizmo:
@@ -18,8 +19,14 @@ class ToolGizmo:
     def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
         self._cockpit = cockpit
         self._dragged_by: int | None = None
+        view = desk.spec.first_view
         self.handle = desk.viser.scene.add_transform_controls(
-            f"{WORLD}/tool_gizmo", scale=SCALE_M, depth_test=False, visible=False
+            f"{WORLD}/tool_gizmo",
+            scale=SCALE_M if view is None else SHARE_OF_VIEW * view.radius_m,
+            active_axes=(True, True, not cockpit.planar),
+            disable_rotations=cockpit.planar,
+            depth_test=False,
+            visible=False,
         )
 
         @self.handle.on_update
