@@ -76,8 +76,15 @@ def line_samples(count: int, seed: int, spread_m: float = 0.016) -> Samples:
 
 def samples_at(tool_m: tuple[float, float], heading_rad: float, beside_m: float) -> Samples:
     """One state in which the tool heads along the line that it is beside."""
-    one = [np.array([number]) for number in (heading_rad, 0.0, beside_m, 0.0)]
-    return _seen(np.array([tool_m]), *one, np.random.default_rng(0))
+    none = np.zeros(1)
+    return _seen(
+        np.array([tool_m]),
+        np.array([heading_rad]),
+        none,
+        np.array([beside_m]),
+        none,
+        np.random.default_rng(0),
+    )
 
 
 def turned(samples: Samples) -> Samples:

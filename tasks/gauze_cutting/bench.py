@@ -69,6 +69,10 @@ class BenchArena(composer.Arena):
             material=material,
         )
 
+    def camera(self, name: str) -> Any:
+        """The MJCF element of one that stands in the world."""
+        return self._mjcf_root.find("camera", name)
+
 
 def printed() -> NDArray[np.uint8]:
     """(h, w, 3) RGB of the sheet: a weave, and the circle. Row 0 is at the top, +y."""

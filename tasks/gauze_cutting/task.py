@@ -325,7 +325,7 @@ class GauzeTask(SheathTask):
         return Commanded(executed, of_arm.limited)
 
     def _tool_frame(self) -> ToolFrame:
-        camera = self._arena.mjcf_model.find("camera", CAMERA)
+        camera = self._arena.camera(CAMERA)
         sheet_m = CENTRE_M[2] - _SAG_M
         return ToolFrame(
             camera=CAMERA,

@@ -1,5 +1,7 @@
 """Where a camera shows what lies in a plane, against what dm_control's own camera says."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from dm_control import mjcf
@@ -12,7 +14,7 @@ HEIGHT_M = 0.2
 
 @pytest.mark.parametrize("xyaxes", [(0, 1, 0, -0.872, 0, 0.49), (2, 0, 0, 0.5, 3, 1)])
 def test_is_that_of_the_rendered_picture(xyaxes):
-    world = mjcf.RootElement()
+    world: Any = mjcf.RootElement()
     camera = world.worldbody.add(
         "camera", name="above", pos=(0.6, 0.1, 1.5), xyaxes=xyaxes, fovy=30
     )
