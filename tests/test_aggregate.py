@@ -17,6 +17,7 @@ from sheath_manip import aggregate
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import ParameterError, SheathError
 from sheath_manip.metrics import expert_share
 from sheath_manip.policies import POLICIES
@@ -181,7 +182,7 @@ class Cutter:
         self.when = when
         self.cut: set[str] = set()
         self.written = 0
-        self._wrap(patch, EpisodeStore, "append", lambda args: str(args[1].info))
+        self._wrap(patch, WriterProcess, "adopt", lambda args: str(args[1].header.info))
         self._wrap(patch, Checkpoint, "save", lambda args: str(args[1]))
         self._wrap(patch, aggregate, "write_result", lambda args: str(args[0]))
 

@@ -13,6 +13,7 @@ import pytest
 from sheath_manip.aggregate import LearningRun
 from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates import SupportGate
 from sheath_manip.methods import METHODS, RoundContext
@@ -256,11 +257,12 @@ class StoppedError(Exception):
 def _cut(monkeypatch) -> Iterator[None]:
     """Stops before every file, once."""
     seen: set[str] = set()
-    for owner, name, key in ((EpisodeStore, "append", 1), (Checkpoint, "save", 1)):
+    for owner, name in ((WriterProcess, "adopt"), (Checkpoint, "save")):
         write = getattr(owner, name)
 
-        def written(*arguments, write=write, key=key):
-            file = str(getattr(arguments[key], "info", arguments[key]))
+        def written(*arguments, write=write):
+            header = getattr(arguments[1], "header", None)
+            file = str(arguments[1] if header is None else header.info)
             if file not in seen:
                 seen.add(file)
                 raise StoppedError(file)
