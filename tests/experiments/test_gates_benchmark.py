@@ -156,6 +156,22 @@ def test_another_plan_does_not_resume_it_but_other_rows_join(whole, tmp_path):
     assert "pixels/neighbors" in found
 
 
+def test_the_rest_of_the_grid_may_stay_out_of_the_loop(tmp_path, capsys):
+    plan = replace(SMALL, embeddings=("pixels", "pixels-whitened"), other_episodes=0, held_out=0)
+    found = benchmark(tmp_path, plan=plan)["tasks"]["corridor"]["rows"]
+    outside = [name for name, row in found.items() if row["loop"] is None]
+    assert outside == ["pixels-whitened/mahalanobis"]
+    assert found[outside[0]]["auroc_far"] > 0.5
+    Console(width=100).print(tables(summary_of(tmp_path)))
+    assert "pixels-whitened" in capsys.readouterr().out
+    assert_shows_something(tmp_path / "results" / "corridor-share.png")
+
+
+def test_a_plan_may_name_its_tasks(tmp_path):
+    with pytest.raises(UnknownNameError, match="task with probes 'maze'; known: corridor"):
+        benchmark(tmp_path, plan=replace(SMALL, tasks=("maze",)))
+
+
 @pytest.mark.slow
 def test_two_processes_give_the_numbers_of_one(whole, tmp_path):
     benchmark(tmp_path, workers=2)

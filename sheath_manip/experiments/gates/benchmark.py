@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.gates.figures import draw
 from sheath_manip.experiments.gates.jobs import stages
 from sheath_manip.experiments.gates.plan import GatesPlan
@@ -36,14 +36,17 @@ def run_gates(
     With `workers` 0 all runs in this process. Returns the summary.
     """
     console = console or Console()
+    probed = {task.name: task for task in tasks if task.probes is not None}
+    if not probed:
+        raise ParameterError("no task has probes to test gates with; wanted at least one")
+    for name in plan.tasks or ():
+        if name not in probed:
+            raise UnknownNameError("task with probes", name, probed)
     settings = [
-        Setting(task, plan, runs / task.name, seed)
-        for task in tasks
-        if task.probes is not None
+        Setting(probed[name], plan, runs / name, seed)
+        for name in plan.tasks or probed
         for seed in plan.seeds
     ]
-    if not settings:
-        raise ParameterError("no task has probes to test gates with; wanted at least one")
     for at in settings:
         learning = {**at.learning.described(), "seeds": None}
         require_same_plan({**plan.settings(), "learning_plan": learning}, at.runs / "plan.json")

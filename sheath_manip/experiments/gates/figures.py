@@ -109,13 +109,16 @@ def failures_by_share(
         )
         axes = figure.subplots()
         alone = rows[POLICY]["loop"]["points"][0]
-        for name, row in rows.items():
+        driven = {name: row for name, row in rows.items() if row["loop"] is not None}
+        for name, row in driven.items():
             if name not in looks and name not in (POLICY, EXPERT, RANDOM):
                 shares, rates, *_ = _curve(row["loop"])
                 axes.plot(shares, rates, color=GREY, alpha=0.3, linewidth=1, marker=".", zorder=1)
         _bars(axes, rows[RANDOM]["loop"], ORANGE, "^", "random takeover", alone)
         markers = ("o", *(marker for _, marker in OTHERS))
         for (name, (colour, said)), marker in zip(looks.items(), markers * 9, strict=False):
+            if name not in driven:
+                continue
             _bars(axes, rows[name]["loop"], colour, marker, f"{said}: {name}", alone)
         executed = alone["executed"]
         low, high = executed["ci95"]["failure_rate"]

@@ -194,7 +194,8 @@ def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
         main, other = main_size(at.plan), other_size(at.plan)
         first += [Drive(at, name, main) for name in BASELINES]
         first += [Drive(at, row.name, main) for row in listed if row.main]
-        others += [Drive(at, row.name, other) for row in listed if not row.main]
+        rest = [row for row in listed if not row.main and at.plan.in_loop(row.main)]
+        others += [Drive(at, row.name, other) for row in rest]
     recorded: list[AnyJob] = [
         job for at in settings for job in (Visit(at), Judge(at), Displace(at))
     ]

@@ -13,6 +13,8 @@ from sheath_manip.support import SUPPORTS
 class GatesPlan:
     """The settings of the benchmark; the same plan and seed give the same result."""
 
+    tasks: tuple[str, ...] | None = None
+    """whose gates are compared; all that have probes where None"""
     learning: str = "full"
     """the task's plan that says what is demonstrated, what is fitted, and what the default gate is
     (its `check` episodes are the new expert episodes)"""
@@ -49,9 +51,13 @@ class GatesPlan:
     held_out: int = 20
     """scenes on which the policy that learned under a main row's gate is judged"""
     other_episodes: int = 4
-    """likewise for the rest of the grid"""
+    """likewise for the rest of the grid, which with 0 takes no part in the loop"""
     other_held_out: int = 0
     """likewise for the rest of the grid; with 0 no policy learns there"""
+
+    def in_loop(self, main: bool) -> bool:
+        """Whether a row takes part in the loop that is a main one, or belongs to the rest."""
+        return main or self.other_episodes > 0
 
     def __post_init__(self) -> None:
         if not self.rates or not all(0 < rate < 1 for rate in self.rates):
@@ -74,12 +80,16 @@ class GatesPlan:
 
     def settings(self) -> dict[str, Any]:
         """What a resumed run must have in common: all but which rows there are, and which seeds."""
-        rows = ("embeddings", "supports", "seeds")
+        rows = ("tasks", "embeddings", "supports", "seeds")
         return {name: value for name, value in self.described().items() if name not in rows}
 
 
 PLANS = {
-    "full": GatesPlan(),
+    "full": GatesPlan(tasks=("driving",)),
+    # An episode of the arm costs ten times one of the car.
+    "manipulation": GatesPlan(
+        tasks=("grasp-clutter", "gauze-cutting"), seeds=(0,), other_episodes=0
+    ),
     "quick": GatesPlan(
         learning="quick",
         seeds=(0,),

@@ -94,7 +94,9 @@ def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
                     **_offline(offline_of(settings, row.name)),
                     "loop": dataclasses.asdict(
                         _in_loop(_loops(in_loop, row.name), ends, first.plan)
-                    ),
+                    )
+                    if first.plan.in_loop(row.main)
+                    else None,
                 }
                 for row in listed
             },

@@ -81,8 +81,10 @@ def _foreseen(alarm: Mapping[str, Any] | None) -> tuple[str, ...]:
     return *(_percent(rate) for rate in rates), _number(own["lead_steps"])
 
 
-def _in_loop(loop: Mapping[str, Any]) -> tuple[str, ...]:
+def _in_loop(loop: Mapping[str, Any] | None) -> tuple[str, ...]:
     """At the common share; of the policy or the expert alone at its own."""
+    if loop is None:
+        return ("–",) * 5
     at, only = loop["at_share"], loop["points"][0]
     failed = only["executed"]["failure_rate"] if at is None else at["failure_rate"]
     low, high = only["executed"]["ci95"]["failure_rate"] if at is None else at["ci95"]
