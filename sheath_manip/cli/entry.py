@@ -1,5 +1,6 @@
 """Runs a verb: parses the line, and turns every foreseen error into one line and an exit code."""
 
+import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -23,7 +24,7 @@ from sheath_manip.cli.train import Train
 from sheath_manip.cli.watch import Watch
 from sheath_manip.exceptions import SheathError
 
-OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
+OK, BAD_INPUT, INTERRUPTED, CUT_OFF = 0, 2, 130, 141
 
 OF_A_TASK: dict[str, type[Verb]] = {
     "collect": Collect,
@@ -69,9 +70,13 @@ def _run(
     ]
     config = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes)
     line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
-    verb: Verb = tyro.cli(line, args=list(argv), prog=prog, description=about, config=config)
     try:
+        verb: Verb = tyro.cli(line, args=list(argv), prog=prog, description=about, config=config)
         return verb.run(Session(tasks, f"{prog} {shlex.join(argv)}".strip()))
+    except BrokenPipeError:
+        # Who reads has seen enough, as `head` has; what is left in the buffer goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CUT_OFF
     except (SheathError, OSError) as error:
         print(f"sheath: {' '.join(str(error).split())}", file=sys.stderr)
         return BAD_INPUT

@@ -62,3 +62,23 @@ def test_task_script_collects(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert "1 success" in done.stdout
     assert _call(SHEATH, "data", "check", store).returncode == 0
+
+
+def test_who_has_read_enough_of_it_is_told_nothing_more():
+    for argv in (["train", "--help"], ["tasks"]):
+        reading, writing = os.pipe()
+        os.close(reading)
+        try:
+            done = subprocess.run(
+                [*SHEATH, *argv],
+                stdout=writing,
+                stderr=subprocess.PIPE,
+                text=True,
+                timeout=DEADLINE_S,
+                check=False,
+            )
+        finally:
+            os.close(writing)
+        # rich, which prints the tables, ends with 1.
+        assert done.returncode in {1, 141}
+        assert done.stderr == ""
