@@ -35,8 +35,9 @@ BATCH = 256
 class Sizes:
     """How much is measured."""
 
-    task_episodes: int = 12
-    """of each task, one after the other; at the end of them the last one is waited for"""
+    turn_s: float = 8.0
+    """that the episodes of a task take, one after the other; at the end the last one is waited
+    for"""
     turns: int = 8
     """in which they are, and are not; even, so that each of both comes first as often"""
     stored_episodes: int = 20
@@ -45,7 +46,7 @@ class Sizes:
     draws: int = 50
 
 
-QUICK = Sizes(task_episodes=1, turns=1, stored_episodes=2, steps=40, pixels=16, draws=5)
+QUICK = Sizes(turn_s=0.0, turns=1, stored_episodes=2, steps=40, pixels=16, draws=5)
 
 
 def recording_lines(sizes: Sizes) -> dict[str, Line]:
@@ -54,14 +55,13 @@ def recording_lines(sizes: Sizes) -> dict[str, Line]:
     for name, task in TASKS.items():
         environment = task.make()
         rate_hz = environment.spec.control_rate_hz
-        infos = [
-            EpisodeInfo(name, 70_000 + index, Purpose.DEMONSTRATION, rate_hz, index=index)
-            for index in range(sizes.task_episodes)
-        ]
         run = partial(_run, environment, task.expert(environment))
         # The first one compiles, imports and fills caches.
-        (first,) = run(infos[:1])
+        one = _infos(name, rate_hz, 1)
+        (first,) = run(one)
         simulated_s = len(first) / rate_hz
+        one_s = _spent_s(partial(run, one))
+        infos = _infos(name, rate_hz, max(1, round(sizes.turn_s / one_s)))
         turns = [_turn(run, infos, recorded_first=bool(turn % 2)) for turn in range(sizes.turns)]
         environment.close()
         plain_s, recorded_s, append_s = np.array(turns).T
@@ -76,6 +76,14 @@ def recording_lines(sizes: Sizes) -> dict[str, Line]:
             f"{1e3 * np.median(append_s):.0f} ms, synced",
         )
     return lines
+
+
+def _infos(task: str, rate_hz: float, count: int) -> list[EpisodeInfo]:
+    """Of so many expert episodes."""
+    return [
+        EpisodeInfo(task, 70_000 + index, Purpose.DEMONSTRATION, rate_hz, index=index)
+        for index in range(count)
+    ]
 
 
 def _run(
