@@ -2,8 +2,8 @@
 
 A line to be followed looks the same from the tool wherever it is and whichever way it goes, so what
 is learned in one place holds in all others. On the gauze, cloned from the same 30 disturbed
-demonstrations, a policy that looks so cut out 12 of 12 discs of tuning scenes, and 3 when it looks
-at the whole image.
+demonstrations, a prototype that looked so cut out 12 of 12 discs of tuning scenes, and 3 when it
+looked at the whole image.
 """
 
 from dataclasses import replace

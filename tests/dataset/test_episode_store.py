@@ -182,7 +182,6 @@ class TestAppending:
         }
         assert last == store.path
 
-    @pytest.mark.skipif(durable._syncfs is None, reason="no such call here")
     def test_or_the_file_system_is_synced_before_the_name_is_there(
         self, store: EpisodeStore, monkeypatch: pytest.MonkeyPatch
     ) -> None:
