@@ -12,6 +12,7 @@ from sheath_manip.signals.joined import JoinedSignal
 from sheath_manip.signals.near_precedent import NearPrecedentSignal
 from sheath_manip.signals.precedent import PrecedentSignal
 from sheath_manip.signals.support import SupportSignal
+from sheath_manip.signals.trust import TrustSignal
 from sheath_manip.support import make_support, support_hyperparameters
 
 
@@ -40,6 +41,7 @@ JOINED_WEIGHTS = {"support": 1.0, "precedent": 2.0}
 """AUROC of costly mistakes on driving's tuning scenes, two training runs: .928 and .913, counting
 alike .928 and .915; alone the support has .908 and .905, the precedent .918 and .900. Of windows
 before failures .974 and .929, counting alike .972 and .928."""
+TRUSTED_WEIGHTS = {"support": 1.0, "trust": 4.0}
 
 MakeEmbedding = Callable[[str], Embedding]
 
@@ -65,6 +67,15 @@ def _joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
     return JoinedSignal({"support": support, "precedent": precedent}, JOINED_WEIGHTS)
 
 
+def _trust(choice: SignalChoice, embedding: MakeEmbedding) -> TrustSignal:
+    return TrustSignal(embedding(choice.precedent_embedding))
+
+
+def _trusted(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
+    support, trust = _support(choice, embedding), _trust(choice, embedding)
+    return JoinedSignal({"support": support, "trust": trust}, TRUSTED_WEIGHTS)
+
+
 def _near_precedent(choice: SignalChoice, embedding: MakeEmbedding) -> NearPrecedentSignal:
     return NearPrecedentSignal(embedding(choice.precedent_embedding))
 
@@ -79,9 +90,11 @@ SIGNALS: dict[str, Callable[[SignalChoice, MakeEmbedding], Signal]] = {
     "joined": _joined,
     "support": _support,
     "precedent": _precedent,
+    "trust-joined": _trusted,
+    "trust": _trust,
     # For continuous actions.
     "near-joined": _near_joined,
     "near-precedent": _near_precedent,
 }
-PRECEDENTS = {"joined": "precedent", "near-joined": "near-precedent"}
+PRECEDENTS = {"joined": "precedent", "trust-joined": "trust", "near-joined": "near-precedent"}
 """by a joined signal, the one that is joined with the support"""

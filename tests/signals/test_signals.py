@@ -12,6 +12,7 @@ from sheath_manip.protocols import Signal
 from sheath_manip.signals import SIGNALS, make_signal, planned_signal
 from sheath_manip.signals.joined import JoinedSignal, log_share
 from sheath_manip.signals.precedent import PrecedentSignal
+from sheath_manip.signals.trust import TrustSignal
 from tests.blobs import CHOICES, fitted_policy, held_out, observation_of, training
 
 PLAN = LearningPlan(policy="hog-svm", embedding="pixels", precedent_embedding="pixels")
@@ -99,6 +100,49 @@ def test_without_any_precedent_the_score_is_minus_infinity_and_a_nan_has_none():
         np.testing.assert_array_equal(scores_of(signal, held_out()), np.full(200, expected))
     with pytest.raises(ParameterError, match="tolerance is 1"):
         PrecedentSignal(make_embedding("pixels"), tolerance=1.0)
+
+
+class OnFeatures:
+    """An embedding that is the features."""
+
+    def fit(self, policy, samples):
+        del policy, samples
+        return self
+
+    def transform(self, images, features):
+        del images
+        return np.asarray(features, np.float32)
+
+
+def trust_at(place: float, placed: dict[float, np.ndarray], **settings: int) -> float:
+    """Of proposing CHOICES[2] at `place`, among training states on a line by place and label."""
+    states = training().take(np.arange(len(placed)))
+    places = np.array([list(placed)], np.float32).T
+    states = replace(states, features=places, labels=np.array(list(placed.values())))
+    signal = TrustSignal(OnFeatures(), **settings).fit(Stubborn(CHOICES[2]), states)  # pyright: ignore[reportArgumentType]
+    return float(signal.scores({}, np.array([[place]], np.float32))[0])
+
+
+def test_a_proposal_is_trusted_by_its_precedents_against_the_nearest_objection():
+    yes, no = CHOICES[2], CHOICES[0]
+    line = {-3.0: yes, -2.0: yes, -1.0: yes, 4.0: no, 5.0: no}
+    # The third precedent is 3 away, the objection 4: (4 - 3) / (4 + 3), a little less for rounding.
+    assert trust_at(0.0, line) == pytest.approx(1 / 7, abs=0.01)
+    assert trust_at(0.0, line, precedents=1) == pytest.approx(3 / 5, abs=0.01)
+    assert trust_at(-2.0, line) > trust_at(0.0, line) > trust_at(2.0, line)
+    # One objection where a lone precedent lies as well: neither has the better of it.
+    assert abs(trust_at(0.0, {0.0: yes, 1e-4: no, 9.0: yes}, precedents=1)) < 0.01
+    assert trust_at(0.0, {0.0: yes, 1e-4: no, 9.0: yes}, precedents=2) < -0.9
+
+
+def test_trust_without_precedents_or_without_objections():
+    yes, no = CHOICES[2], CHOICES[0]
+    assert trust_at(0.0, {0.0: yes, 1.0: yes, 2.0: yes}) == 1.0
+    assert trust_at(0.0, {0.0: yes, 1.0: yes, 2.0: no}) == -1.0
+    assert trust_at(0.0, {0.0: yes}) == -1.0
+    assert np.isnan(trust_at(np.nan, {0.0: yes, 1.0: yes, 2.0: yes, 3.0: no}))
+    with pytest.raises(ParameterError, match="precedents is 0"):
+        TrustSignal(make_embedding("pixels"), precedents=0)
 
 
 def test_the_share_falls_with_the_score_and_on_below_all_that_was_seen():

@@ -1,0 +1,97 @@
+"""Whether the expert's labels in such states speak for what the policy will do, or against it.
+
+The trust score of Jiang, Kim, Guan & Gupta (2018, 'To trust or not to trust a classifier') is the
+distance to the nearest training state of any other class over that to the nearest of the class
+predicted. A precedent alone (`PrecedentSignal`) may be an accident: one label among thousands that
+the policy does not bend to, or a state that only looks the same. So here a proposal must be backed
+by several precedents, while one objection is enough to be weighed.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.samples import Samples
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
+from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
+
+RESOLUTION = 0.02
+"""of the spread of the training states: closer ones are the same, so that of two copies with
+different labels neither wins by rounding"""
+
+
+class TrustSignal:
+    """How much nearer the precedents of a proposal are than the nearest objection to it.
+
+    With p the distance to the k-th nearest training state that has the proposed action as its
+    label, and q that to the nearest with another one, the score is (q - p) / (q + p): above 0 where
+    the precedents are nearer, at most 1. It ranks as the ratio q / p of the paper does.
+    """
+
+    def __init__(self, embedding: Embedding, precedents: int = 3, tolerance: float = 0.1) -> None:
+        """Store the hyperparameters; ParameterError for fewer than one precedent.
+
+        Args:
+            embedding: in whose vectors the distances are taken.
+            precedents: k >= 1.
+            tolerance: see `LabelledStates`.
+        """
+        if precedents < 1:
+            raise ParameterError(f"precedents is {precedents}; wanted at least 1, like 3")
+        self.states = LabelledStates(embedding, tolerance)
+        self.precedents = precedents
+
+    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
+        """Keep the policy's training `states`."""
+        del agreement
+        self.states.fit(policy, states)
+        return self._measured()
+
+    def refit(self, states: Samples) -> Self:
+        """Distances have no parameters to be fitted."""
+        del states
+        return self
+
+    def calibrate(self, episodes: Sequence[Samples]) -> Self:
+        """A ratio needs no held-out states."""
+        del episodes
+        return self
+
+    def scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float64]:
+        """(n,) in -1..1: -1 with fewer precedents than asked for, 1 with them and no objection."""
+        parts = [self._score(compared) for compared in self.states.compared(images, features)]
+        return np.concatenate([np.empty(0), *parts])
+
+    def arrays(self) -> Arrays:
+        """Those of `LabelledStates`."""
+        return self.states.arrays()
+
+    def load(self, policy: Policy, arrays: Arrays) -> Self:
+        """Take over `arrays()` on top of `policy`."""
+        self.states.load(policy, arrays)
+        return self._measured()
+
+    def _measured(self) -> Self:
+        spread = float(np.sqrt(self.states.vectors_.var(axis=0, dtype=np.float64).sum()))
+        self._resolution = RESOLUTION * spread if spread > 0 else 1.0
+        return self
+
+    def _score(self, compared: Compared) -> NDArray[np.float64]:
+        squares, same, broken = compared
+        against = distances(np.where(same, np.inf, squares).min(axis=1))
+        if squares.shape[1] < self.precedents:
+            backed = np.full(len(squares), np.inf)
+        else:
+            nearest = np.where(same, squares, np.inf)
+            last = self.precedents - 1
+            backed = distances(np.partition(nearest, last, axis=1)[:, last])
+        with np.errstate(invalid="ignore"):
+            score = (against - backed) / (against + backed + self._resolution)
+        score = np.where(np.isinf(against), 1.0, score)
+        score = np.where(np.isinf(backed), -1.0, score)
+        return np.where(broken, np.nan, score)
