@@ -96,8 +96,11 @@ class LearningRun:
         self.checkpoints = Checkpoints(self.environment.spec, plan, run_seed, directory)
 
     def close(self) -> None:
-        """Free the simulator."""
-        self.environment.close()
+        """End the process that writes, and free the simulator."""
+        try:
+            self.recording.close()
+        finally:
+            self.environment.close()
 
     def start(self) -> Common:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""

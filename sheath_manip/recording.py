@@ -54,7 +54,7 @@ class AskedOnce:
 
 
 class Recording:
-    """Runs the episodes of one training run, each once and for all."""
+    """Runs the episodes of one training run, each once and for all; to be closed."""
 
     def __init__(
         self,
@@ -71,6 +71,18 @@ class Recording:
         self.store = store
         self.listeners = listeners
         self.report = report
+        self._recorder: BackgroundRecorder | None = None
+
+    def close(self) -> None:
+        """End the process that writes."""
+        if self._recorder is not None:
+            self._recorder.close()
+
+    def _recording(self) -> BackgroundRecorder:
+        """Begun with the first episode that is run: one that is read needs none."""
+        if self._recorder is None:
+            self._recorder = BackgroundRecorder(self.store)
+        return self._recorder
 
     def episodes(
         self,
@@ -84,18 +96,19 @@ class Recording:
     ) -> list[Episode]:
         """`count` episodes of round `number`, driven by `policy` under a `gate` made for each.
 
-        `checkpoint` is the digest of the file that policy and gate are from.
+        All of them are on the disk then. `checkpoint` is the digest of the file that policy and
+        gate are from.
         """
         infos = [self._info(purpose, method, number, index, checkpoint) for index in range(count)]
-        with BackgroundRecorder(self.store) as recorder:
-            return [self._episode(info, gate, policy, recorder) for info in infos]
+        try:
+            return [self._episode(info, gate, policy) for info in infos]
+        finally:
+            # Also where an episode fails: the one before it is whole.
+            if self._recorder is not None:
+                self._recorder.flush()
 
     def _episode(
-        self,
-        info: EpisodeInfo,
-        gate: Callable[[], Gate],
-        policy: Proposer | None,
-        recorder: BackgroundRecorder,
+        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Proposer | None
     ) -> Episode:
         if self.store.has(info):
             episode = self.store.read(episode_name(info))
@@ -107,7 +120,7 @@ class Recording:
                 redrawing(gate(), policy),
                 policy=policy,
                 expert=self.expert,
-                listeners=(recorder, *self.listeners),
+                listeners=(self._recording(), *self.listeners),
             )
             episode = until_kept(attempt, info, self.report)
         self.report(f"{info.method} round {info.round}")

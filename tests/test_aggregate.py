@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,7 +24,7 @@ from sheath_manip.metrics import expert_share
 from sheath_manip.policies import POLICIES
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.protocols import Listener
-from sheath_manip.results import round_results
+from sheath_manip.results import RoundResult, round_results
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Purpose
 from tests.run_files import digests, measured
@@ -47,9 +48,12 @@ def small_policy() -> Callable[..., ConvPolicy]:
     return partial(ConvPolicy, channels=(8,), hidden=(16,), epochs=8)
 
 
-def learner(directory: Path, plan=SMALL_PLAN, report=lambda _: None, listeners=()) -> LearningRun:
+def run(
+    method: str, directory: Path, plan=SMALL_PLAN, report=lambda _: None, listeners=()
+) -> list[RoundResult]:
     store = EpisodeStore.create(directory / "store")
-    return LearningRun(CORRIDOR, plan, 0, directory, store, listeners, report)
+    with closing(LearningRun(CORRIDOR, plan, 0, directory, store, listeners, report)) as learning:
+        return learning.run(method)
 
 
 def learn(
@@ -60,7 +64,7 @@ def learn(
     # As in an experiment: another number of threads adds up in another order.
     with single_threaded():
         for method in methods:
-            learner(directory, listeners=listeners).run(method)
+            run(method, directory, listeners=listeners)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -268,7 +272,7 @@ def test_listeners_hear_of_every_fit(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "run")
     (tmp_path / "run" / "s0" / "sheath" / "round-02.json").unlink()
     listener = Interrupter()
-    results = learner(tmp_path / "run", listeners=(listener,)).run("sheath")
+    results = run("sheath", tmp_path / "run", listeners=(listener,))
     assert listener.fitted == [result.states for result in results]
     assert same(tmp_path / "run", whole)
 
@@ -297,7 +301,7 @@ def test_killed_it_resumes_to_the_same_result(whole, tmp_path):
 def test_a_finished_method_is_read_and_not_run(whole):
     for method in METHODS:
         reports: list[str] = []
-        results = learner(whole, report=reports.append).run(method)
+        results = run(method, whole, report=reports.append)
         assert reports == []
         assert results == round_results(whole, 0, method)
 
@@ -307,20 +311,20 @@ def test_random_takeover_without_sheath_says_what_is_missing(whole, tmp_path):
     for method in METHODS:
         shutil.rmtree(tmp_path / "run" / "s0" / method)
     with pytest.raises(ParameterError, match="run sheath first") as caught:
-        learner(tmp_path / "run").run("random-takeover")
+        run("random-takeover", tmp_path / "run")
     assert "\n" not in str(caught.value)
 
 
 def test_an_unknown_method_is_named(tmp_path):
     with pytest.raises(SheathError, match="unknown method 'shaeth'"):
-        learner(tmp_path).run("shaeth")
+        run("shaeth", tmp_path)
 
 
 def test_rounds_end_once_the_loss_is_low_enough(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "run")
     plan = replace(SMALL_PLAN, stop_below_loss=1.1)
     for _ in range(2):
-        results = learner(tmp_path / "run", plan).run("dagger")
+        results = run("dagger", tmp_path / "run", plan)
         assert [result.round for result in results] == [0, 1]
         assert len(results[-1].final) == plan.final
     names = sorted(path.name for path in (tmp_path / "run" / "s0" / "dagger").iterdir())
@@ -331,7 +335,7 @@ def test_a_method_that_follows_one_that_stopped_stops_with_it(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "run")
     for method in METHODS:
         shutil.rmtree(tmp_path / "run" / "s0" / method)
-    learner(tmp_path / "run", replace(SMALL_PLAN, stop_below_loss=1.1)).run("sheath")
+    run("sheath", tmp_path / "run", replace(SMALL_PLAN, stop_below_loss=1.1))
     # What random takeover meets where its own loss is not low enough yet.
-    results = learner(tmp_path / "run").run("random-takeover")
+    results = run("random-takeover", tmp_path / "run")
     assert [result.round for result in results] == [0, 1]

@@ -3,6 +3,7 @@
 import json
 import shutil
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import cast
@@ -21,7 +22,7 @@ from sheath_manip.metrics import expert_share
 from sheath_manip.plan import LearningPlan
 from sheath_manip.policies.linear_svm import LinearSvm
 from sheath_manip.policies.smile import SmileMixture, expert_weight
-from sheath_manip.results import round_path, round_results
+from sheath_manip.results import RoundResult, round_path, round_results
 from sheath_manip.types import Action, Actor, Episode, Observation, Reason
 from tests.buttons import BUTTONS, PLAN, SPEC, ButtonCorridor
 
@@ -33,9 +34,12 @@ OWN_LABELS = {"sheath-own-labels", "hg-dagger", "lazy-dagger", "thrifty-dagger",
               "random-own-labels"}  # fmt: skip
 
 
-def learner(directory: Path, plan: LearningPlan = PLAN, seed: int = 0, **options) -> LearningRun:
+def run(
+    method: str, directory: Path, plan: LearningPlan = PLAN, seed: int = 0, **options
+) -> list[RoundResult]:
     store = EpisodeStore.create(directory / "store")
-    return LearningRun(BUTTONS, plan, seed, directory, store, **options)
+    with closing(LearningRun(BUTTONS, plan, seed, directory, store, **options)) as learning:
+        return learning.run(method)
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +47,7 @@ def whole(tmp_path_factory) -> Path:
     """All methods from one seed, never interrupted."""
     directory = tmp_path_factory.mktemp("whole")
     for name in ORDER:
-        learner(directory).run(name)
+        run(name, directory)
     return directory
 
 
@@ -144,7 +148,7 @@ def test_smile_has_a_policy_a_round_and_the_paper_share_of_the_expert(whole):
 
 def test_the_experts_part_decays_by_beta(tmp_path):
     plan = replace(PLAN, beta=0.6, episodes=6)
-    for result in learner(tmp_path, plan).run("dagger-beta")[1:]:
+    for result in run("dagger-beta", tmp_path, plan)[1:]:
         share, count = 0.6**result.round, sum(record.steps for record in result.executed)
         spread = 3 * (share * (1 - share) / count) ** 0.5
         assert expert_share(result.executed) == pytest.approx(share, abs=spread)
@@ -152,7 +156,7 @@ def test_the_experts_part_decays_by_beta(tmp_path):
 
 def test_a_budget_is_kept_nearly(tmp_path):
     plan = replace(PLAN, episodes=8)
-    results = learner(tmp_path, plan).run("thrifty-dagger")
+    results = run("thrifty-dagger", tmp_path, plan)
     shares = [expert_share(result.executed) for result in results[2:]]
     assert np.mean(shares) == pytest.approx(plan.expert_budget, abs=0.12)
 
@@ -181,7 +185,7 @@ class Nobody:
 
 
 def test_rounds_in_which_nobody_labels_leave_the_policy_as_it_was(tmp_path):
-    results = learner(tmp_path, person=lambda _: Nobody()).run("hg-dagger")
+    results = run("hg-dagger", tmp_path, person=lambda _: Nobody())
     assert len(results) == PLAN.rounds + 1
     assert len({result.states for result in results}) == 1
     for result in results[1:]:
@@ -207,7 +211,8 @@ def test_each_run_has_its_own_scene_for_learning_and_judging(tmp_path):
     plan = replace(PLAN, rounds=1, episodes=1)
     store = EpisodeStore.create(tmp_path / "store")
     for seed in (3, 4):
-        LearningRun(task, plan, seed, tmp_path, store).run("dagger")
+        with closing(LearningRun(task, plan, seed, tmp_path, store)) as learning:
+            learning.run("dagger")
     # One to learn in, one for the last judgement.
     assert made == [3, 3, 4, 4]
     drifts = [LearningRun(BUTTONS, PLAN, seed, tmp_path, store).environment for seed in (0, 1, 2)]
@@ -219,7 +224,7 @@ def test_without_refitting_what_is_unused_the_gate_stays_that_of_the_demonstrati
 ):
     plan = replace(PLAN, refit_unused=False)
     for name in ("dagger", "sheath"):
-        learner(tmp_path, plan).run(name)
+        run(name, tmp_path, plan)
     results = {
         (name, number): load_checkpoint(round_path(tmp_path, 0, name, number, "npz"), SPEC)
         for name, number in (("expert", 0), ("dagger", 2), ("sheath", 2))
@@ -238,7 +243,7 @@ def test_without_refitting_what_is_unused_the_gate_stays_that_of_the_demonstrati
 
 def test_an_unknown_variant_is_named_with_all_there_are(tmp_path):
     with pytest.raises(UnknownNameError, match="known: default, final, stage"):
-        learner(tmp_path, replace(PLAN, variant="level"))
+        run("dagger", tmp_path, replace(PLAN, variant="level"))
 
 
 def contents(directory: Path, name: str) -> dict[str, str]:
@@ -282,7 +287,7 @@ def test_stopped_at_any_file_it_resumes_to_the_same_result(name, whole, tmp_path
         shutil.rmtree(path)
     for _ in range(100):
         try:
-            learner(tmp_path).run(name)
+            run(name, tmp_path)
         except StoppedError:
             continue
         break

@@ -1,5 +1,6 @@
 import threading
 import time
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -117,7 +118,8 @@ def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None
     plan = replace(PLAN, policy="hog-svm", signal="support", embedding="pixels")
     store = EpisodeStore.create(tmp_path / "store")
     with Dashboard(Corridor().spec, port=0, token=TOKEN) as dashboard:
-        LearningRun(CORRIDOR, plan, 0, tmp_path, store, listeners=(dashboard,)).prepare()
+        with closing(LearningRun(CORRIDOR, plan, 0, tmp_path, store, (dashboard,))) as learning:
+            learning.prepare()
         moment = dashboard._latest()
     demonstrations = samples_from(store.episodes(Purpose.DEMONSTRATION))
     assert moment is not None

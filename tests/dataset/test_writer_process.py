@@ -67,7 +67,7 @@ def test_a_writer_that_is_gone_is_one_line(store: EpisodeStore, before: int) -> 
         with BackgroundRecorder(store) as recorder:
             for index, episode in enumerate(EPISODES):
                 if index == before:
-                    recorder._wait()
+                    recorder.flush()
                     os.kill(recorder._writer.process_id, signal.SIGKILL)
                 recorder.on_end(episode)
 
