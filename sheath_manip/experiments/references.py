@@ -9,16 +9,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from sheath_manip.evaluation import Report
-from sheath_manip.gates import AlwaysExpert
-from sheath_manip.metrics import figures_of, record_of
+from sheath_manip.evaluation import Report, evaluate_expert
+from sheath_manip.metrics import figures_of
 from sheath_manip.plan import LearningPlan
 from sheath_manip.protocols import Listener
 from sheath_manip.results import plain, write_json
-from sheath_manip.rollout import rollout
-from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.seeding import scene_seed
 from sheath_manip.task import TaskEntry
-from sheath_manip.types import EpisodeInfo, Purpose
+from sheath_manip.types import Purpose
 
 
 @dataclass(frozen=True)
@@ -40,21 +38,9 @@ class Reference:
             return
         environment = self.task.make_for_run(self.plan.final_variant, self.plan.seeds[0])
         acting = self.task.references[self.name](environment)
-        records = []
-        for index in range(self.plan.final):
-            seed = scene_seed(Purpose.EVALUATION, self.plan.held_out_set, index)
-            info = EpisodeInfo(
-                task=self.task.name,
-                seed=seed,
-                purpose=Purpose.EVALUATION,
-                control_rate_hz=environment.spec.control_rate_hz,
-                method=self.name,
-                index=index,
-            )
-            rng = generator("alone", seed)
-            episode = rollout(environment, info, AlwaysExpert(), rng=rng, expert=acting)
-            records.append(record_of(episode))
-            report(self.name)
+        held_out = self.plan.held_out_set
+        seeds = [scene_seed(Purpose.EVALUATION, held_out, i) for i in range(self.plan.final)]
+        records = evaluate_expert(environment, acting, self.name, seeds, report)
         environment.close()
         write_json(path, plain(asdict(figures_of(records))))
 
