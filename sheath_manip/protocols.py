@@ -144,6 +144,17 @@ class Policy(Proposer, Protocol):
 
 
 @runtime_checkable
+class ScoresChoices(Policy, Protocol):
+    """A policy of tasks with choices that says how it ranks them."""
+
+    def choice_scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.floating]:
+        """(n, k) one for each choice of the task; it takes the one with the highest."""
+        ...
+
+
+@runtime_checkable
 class HasOwnFrame(Policy, Protocol):
     """A policy that sees and acts in a frame of its own, in which alone actions compare."""
 

@@ -157,8 +157,14 @@ class ConvPolicy:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float32]:
         """(n, a) the likeliest choices for (n, h, w, 3) images by camera; features go unused."""
+        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+
+    def choice_scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, k) the softmax over the choices."""
         del features
-        return self.choices[self.probabilities(images).argmax(axis=1)]
+        return self.probabilities(images)
 
     def act(self, observation: Observation) -> Action:
         """(a,) the likeliest choice for one observation."""

@@ -82,9 +82,14 @@ class HogSvm:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float32]:
         """(n, a) the best choices for (n, h, w, 3) images by camera; features go unused."""
+        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+
+    def choice_scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.float32]:
+        """(n, k) the machines' scores, -inf for a choice that no label asked for."""
         del features
-        scores = self.gradients(images) @ self._fitted().T + self.biases_
-        return self.choices[scores.argmax(axis=1)]
+        return self.gradients(images) @ self._fitted().T + self.biases_
 
     def act(self, observation: Observation) -> Action:
         """(a,) the best choice for one observation."""

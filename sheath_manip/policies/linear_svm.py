@@ -71,9 +71,15 @@ class LinearSvm:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float32]:
         """(n, a) admissible actions for (n, f) features; images go unused."""
+        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+
+    def choice_scores(
+        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
+    ) -> NDArray[np.floating]:
+        """(n, k) the sums of the buttons' scores, signed."""
         del images
         weights, biases = self._fitted()
-        return self.choices[((features @ weights.T + biases) @ self._signs.T).argmax(axis=1)]
+        return (features @ weights.T + biases) @ self._signs.T
 
     def act(self, observation: Observation) -> Action:
         """(a,) the admissible action for one observation."""

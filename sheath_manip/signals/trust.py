@@ -31,7 +31,7 @@ class TrustSignal:
     the precedents are nearer, at most 1. It ranks as the ratio q / p of the paper does.
     """
 
-    def __init__(self, embedding: Embedding, precedents: int = 3, tolerance: float = 0.1) -> None:
+    def __init__(self, embedding: Embedding, precedents: int = 2, tolerance: float = 0.1) -> None:
         """Store the hyperparameters; ParameterError for fewer than one precedent.
 
         Args:
@@ -40,7 +40,7 @@ class TrustSignal:
             tolerance: see `LabelledStates`.
         """
         if precedents < 1:
-            raise ParameterError(f"precedents is {precedents}; wanted at least 1, like 3")
+            raise ParameterError(f"precedents is {precedents}; wanted at least 1, like 2")
         self.states = LabelledStates(embedding, tolerance)
         self.precedents = precedents
 

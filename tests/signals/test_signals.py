@@ -11,6 +11,7 @@ from sheath_manip.policies import make_embedding
 from sheath_manip.protocols import Signal
 from sheath_manip.signals import SIGNALS, make_signal, planned_signal
 from sheath_manip.signals.joined import JoinedSignal, log_share
+from sheath_manip.signals.margin import MarginSignal
 from sheath_manip.signals.precedent import PrecedentSignal
 from sheath_manip.signals.trust import TrustSignal
 from tests.blobs import CHOICES, fitted_policy, held_out, observation_of, training
@@ -126,8 +127,8 @@ def trust_at(place: float, placed: dict[float, np.ndarray], **settings: int) -> 
 def test_a_proposal_is_trusted_by_its_precedents_against_the_nearest_objection():
     yes, no = CHOICES[2], CHOICES[0]
     line = {-3.0: yes, -2.0: yes, -1.0: yes, 4.0: no, 5.0: no}
-    # The third precedent is 3 away, the objection 4: (4 - 3) / (4 + 3), a little less for rounding.
-    assert trust_at(0.0, line) == pytest.approx(1 / 7, abs=0.01)
+    # The second precedent is 2 away, the objection 4: (4 - 2) / (4 + 2), less the resolution.
+    assert trust_at(0.0, line) == pytest.approx(1 / 3, abs=0.01)
     assert trust_at(0.0, line, precedents=1) == pytest.approx(3 / 5, abs=0.01)
     assert trust_at(-2.0, line) > trust_at(0.0, line) > trust_at(2.0, line)
     # One objection where a lone precedent lies as well: neither has the better of it.
@@ -137,12 +138,27 @@ def test_a_proposal_is_trusted_by_its_precedents_against_the_nearest_objection()
 
 def test_trust_without_precedents_or_without_objections():
     yes, no = CHOICES[2], CHOICES[0]
-    assert trust_at(0.0, {0.0: yes, 1.0: yes, 2.0: yes}) == 1.0
-    assert trust_at(0.0, {0.0: yes, 1.0: yes, 2.0: no}) == -1.0
+    assert trust_at(0.0, {0.0: yes, 1.0: yes}) == 1.0
+    assert trust_at(0.0, {0.0: yes, 1.0: no, 2.0: no}) == -1.0
     assert trust_at(0.0, {0.0: yes}) == -1.0
-    assert np.isnan(trust_at(np.nan, {0.0: yes, 1.0: yes, 2.0: yes, 3.0: no}))
+    assert np.isnan(trust_at(np.nan, {0.0: yes, 1.0: yes, 2.0: no}))
     with pytest.raises(ParameterError, match="precedents is 0"):
         TrustSignal(make_embedding("pixels"), precedents=0)
+
+
+def test_a_margin_is_by_how_much_the_best_choice_beats_the_second():
+    class Ranking(Stubborn):
+        def choice_scores(self, images, features):
+            del images
+            return np.asarray(features)
+
+    with pytest.raises(ParameterError, match="Stubborn does not score its choices"):
+        MarginSignal().fit(Stubborn(CHOICES[0]), training())  # pyright: ignore[reportArgumentType]
+    # isinstance looks for all methods of a policy, of which this one has but two.
+    signal = MarginSignal()
+    signal.policy = Ranking(CHOICES[0])  # pyright: ignore[reportAttributeAccessIssue]
+    scores = np.array([[1.0, 3.0, 2.5], [0.0, -np.inf, -np.inf], [2.0, 2.0, 0.0]])
+    np.testing.assert_array_equal(signal.scores({}, scores), [0.5, np.inf, 0.0])
 
 
 def test_the_share_falls_with_the_score_and_on_below_all_that_was_seen():
