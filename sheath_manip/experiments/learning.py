@@ -13,7 +13,7 @@ from sheath_manip.checkpoint import load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.evaluation import Report
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.experiments.figures import FIGURES, write_figures
+from sheath_manip.experiments.figures import FIGURES, View, write_figures
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.references import Reference, reference_jobs, references
@@ -165,7 +165,7 @@ def _figures(
             name: partial(draw, store, checkpoint, environment)
             for name, draw in task.figures.items()
         }
-        pictures = pictures_of(task, plan.variant)
-        return write_figures(results, summary, store, own, names, pictures)
+        view = View(pictures_of(task, plan.variant), environment.spec.action)
+        return write_figures(results, summary, store, own, names, view)
     finally:
         environment.close()

@@ -11,7 +11,7 @@ import pytest
 from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import POLICIES, make_policy
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import Policy, ScoresChoices
 from sheath_manip.types import ActionSpec, Observation, TaskSpec
 from tests import blobs, buttons, line, reach
 
@@ -194,6 +194,18 @@ def test_predicts_choices(name):
     predicted = fitted_policy(name).predict(samples.images, samples.features)
     choices = toy(name).spec.action.choices
     assert (predicted[:, None] == choices).all(axis=2).any(axis=1).all()
+
+
+@every_classifier
+def test_predicts_the_choice_with_the_highest_score(name):
+    samples, policy = held_out(name), fitted_policy(name)
+    choices = toy(name).spec.action.choices
+    assert choices is not None
+    assert isinstance(policy, ScoresChoices)
+    scores = policy.choice_scores(samples.images, samples.features)
+    assert scores.shape == (len(samples), len(choices))
+    predicted = policy.predict(samples.images, samples.features)
+    np.testing.assert_array_equal(choices[scores.argmax(axis=1)], predicted)
 
 
 @every_policy

@@ -9,7 +9,7 @@ from PIL import Image
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError, UnknownNameError
-from sheath_manip.experiments.figures import FIGURES, write_figures
+from sheath_manip.experiments.figures import FIGURES, View, write_figures
 from sheath_manip.experiments.figures.intervention import best_intervention
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.figures.style import looks, quantity
@@ -130,7 +130,7 @@ def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
     )
     pictures = pictures_of(task, "own")
     names = ["film_strip.png", "intervention.gif"]
-    for path in write_figures(tmp_path, summary, store, None, names, pictures):
+    for path in write_figures(tmp_path, summary, store, None, names, View(pictures)):
         assert_shows_something(path)
     assert made == [2, 5, 2, 5]
     shown = best_intervention(store).window
@@ -171,6 +171,17 @@ def test_the_best_intervention_succeeds_between_steps_of_the_policy(store):
     assert best.expert_s == pytest.approx(0.8)
     assert best.window == slice(14, 35)
     assert best.episode.steps[0].observation.images["top"].shape == (40, 40, 3)
+
+
+def test_what_differs_within_the_tolerance_is_no_disagreement(store):
+    episode = best_intervention(store).episode
+    spec = CORRIDOR.make("default").spec.action
+    step = replace(episode.steps[0], proposed=spec.maximum)
+    off = spec.maximum - 0.05 * (spec.maximum - spec.minimum)
+    near = replace(episode, steps=(replace(step, labelled=off), replace(step, proposed=None)))
+    assert View().disagreed(near).tolist() == [True, False]
+    assert View(action=replace(spec, tolerance=0.1)).disagreed(near).tolist() == [False, False]
+    assert View(action=replace(spec, tolerance=0.01)).disagreed(near).tolist() == [True, False]
 
 
 def test_the_figures_hold_where_a_method_has_no_colour_and_rounds_no_figures(store, tmp_path):

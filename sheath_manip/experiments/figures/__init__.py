@@ -10,17 +10,17 @@ from sheath_manip.experiments.figures.bound import bound
 from sheath_manip.experiments.figures.burden import burden
 from sheath_manip.experiments.figures.film import film
 from sheath_manip.experiments.figures.film_strip import film_strip
-from sheath_manip.experiments.figures.intervention import NothingToShowError, Pictures, recorded
+from sheath_manip.experiments.figures.intervention import AS_RECORDED, NothingToShowError, View
 from sheath_manip.experiments.figures.rounds import rounds
 
-FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, Pictures, Path], None]] = {
+FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, View, Path], None]] = {
     "rounds.png": lambda summary, _, __, path: rounds(summary, path),
     "burden.png": lambda summary, _, __, path: burden(summary, path),
     "bound.png": lambda summary, _, __, path: bound(summary, path),
-    "film_strip.png": lambda _, store, pictures, path: film_strip(store, path, pictures),
-    "intervention.gif": lambda _, store, pictures, path: film(store, path, pictures),
+    "film_strip.png": lambda _, store, view, path: film_strip(store, path, view),
+    "intervention.gif": lambda _, store, view, path: film(store, path, view),
 }
-"""by file name, from the summary, the episodes and pictures of their steps"""
+"""by file name, from the summary, the episodes and how their steps look"""
 
 TaskFigures = Mapping[str, Callable[[Path], None]]
 """A task's own figures, with their store, checkpoint and environment bound already."""
@@ -32,7 +32,7 @@ def write_figures(
     store: EpisodeStore,
     task_figures: TaskFigures | None = None,
     names: Iterable[str] | None = None,
-    pictures: Pictures = recorded,
+    view: View = AS_RECORDED,
 ) -> list[Path]:
     """Write the figures `names`, or all, into `directory` and give their paths in that order.
 
@@ -40,7 +40,7 @@ def write_figures(
     is left out. Raises UnknownNameError before anything is written.
     """
     table: dict[str, Callable[[Path], None]] = {
-        name: lambda path, draw=draw: draw(summary, store, pictures, path)
+        name: lambda path, draw=draw: draw(summary, store, view, path)
         for name, draw in FIGURES.items()
     }
     table |= task_figures or {}
@@ -64,8 +64,8 @@ def write_figures(
 __all__ = [
     "FIGURES",
     "NothingToShowError",
-    "Pictures",
     "TaskFigures",
+    "View",
     "bound",
     "burden",
     "film",

@@ -9,10 +9,10 @@ from PIL import Image
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import (
+    AS_RECORDED,
     Intervention,
-    Pictures,
+    View,
     best_intervention,
-    recorded,
 )
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
 from sheath_manip.support.calibration import NOTHING_INSIDE
@@ -31,14 +31,14 @@ INK_RGB = (34, 39, 46)
 FONT = cv2.FONT_HERSHEY_DUPLEX
 
 
-def film(store: EpisodeStore, path: Path, pictures: Pictures = recorded) -> None:
+def film(store: EpisodeStore, path: Path, view: View = AS_RECORDED) -> None:
     """An animated GIF of the intervention and its surroundings, at half speed.
 
     Raises NothingToShowError where SHEATH's episodes have no intervention.
     """
-    shown = best_intervention(store, pictures=pictures)
+    shown = best_intervention(store, view=view)
     window = range(*shown.window.indices(len(shown.episode.steps)))
-    images = shown.pictures(shown.episode, window)
+    images = shown.view.pictures(shown.episode, window)
     drawn = [_frame(shown, index, image) for index, image in zip(window, images, strict=True)]
     # One palette for all frames, or their colours would flicker; these two show both actors.
     typical = np.concatenate([drawn[0], drawn[shown.start - window.start]])

@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import (
+    AS_RECORDED,
     Intervention,
-    Pictures,
+    View,
     best_intervention,
-    disagreed,
     expert_acted,
-    recorded,
 )
 from sheath_manip.experiments.figures.style import EXPERT, GREY, INK, POLICY, drawing, heading
 from sheath_manip.types import Actor, Step
@@ -21,12 +20,12 @@ from sheath_manip.types import Actor, Step
 FRAMES = 7
 
 
-def film_strip(store: EpisodeStore, path: Path, pictures: Pictures = recorded) -> None:
+def film_strip(store: EpisodeStore, path: Path, view: View = AS_RECORDED) -> None:
     """Frames framed in the colour of who acts, and below them score and threshold over time.
 
     Raises NothingToShowError where SHEATH's episodes have no intervention.
     """
-    shown = best_intervention(store, pictures=pictures)
+    shown = best_intervention(store, view=view)
     info, steps = shown.episode.info, shown.episode.steps
     window = shown.window
     frames = np.rint(np.linspace(window.start, window.stop - 1, FRAMES)).astype(int)
@@ -39,7 +38,7 @@ def film_strip(store: EpisodeStore, path: Path, pictures: Pictures = recorded) -
             "are marked below by their letters",
         )
         above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 1.25))[:, 0]
-        images = shown.pictures(shown.episode, frames.tolist())
+        images = shown.view.pictures(shown.episode, frames.tolist())
         for number, axes in enumerate(above.subplots(1, FRAMES)):
             step = steps[frames[number]]
             _frame(axes, step, images[number], chr(ord("a") + number))
@@ -86,7 +85,7 @@ def _score(axes: Axes, shown: Intervention) -> None:
     axes.plot(times, scores, color=INK, marker="o", markersize=4, label="support score")
     threshold = [step.decision.threshold for step in steps]
     axes.plot(times, threshold, color=INK, linestyle=(0, (4, 3)), linewidth=1, label="threshold")
-    differ = disagreed(shown.episode)[shown.window]
+    differ = shown.view.disagreed(shown.episode)[shown.window]
     low, high = axes.get_ylim()
     axes.set_ylim(low - 0.22 * (high - low), high)
     axes.plot(

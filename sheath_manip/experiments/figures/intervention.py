@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Actor, Episode, Outcome, Purpose
+from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.types import Action, ActionSpec, Actor, Episode, Outcome, Purpose
 
 CONTEXT_S = 0.6
 """of the policy before and after that make an intervention one that can be seen"""
@@ -26,6 +27,39 @@ class NothingToShowError(StoreError):
     """The store lacks the episodes that a figure is about; the other figures do not suffer."""
 
 
+def recorded(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
+    """What the first camera saw; raises NothingToShowError where there was none."""
+    if not episode.final_observation.images:
+        raise NothingToShowError(
+            f"{episode.info.task} was seen by no camera; wanted images, or a `picture` in its entry"
+        )
+    return [next(iter(episode.steps[index].observation.images.values())) for index in indices]
+
+
+@dataclass(frozen=True)
+class View:
+    """How a task's steps are shown, and which of its actions look the same."""
+
+    pictures: Pictures = recorded
+    action: ActionSpec | None = None
+    """whose tolerance counts; None: only equal actions are the same"""
+
+    def disagreed(self, episode: Episode) -> NDArray[np.bool_]:
+        """(t,) where the policy wanted something else than the expert's label."""
+        return np.array([self._differ(step.proposed, step.labelled) for step in episode.steps])
+
+    def _differ(self, proposed: Action | None, labelled: Action | None) -> bool:
+        if proposed is None or labelled is None:
+            return False
+        if self.action is None or self.action.tolerance == 0:
+            return not np.allclose(proposed, labelled, atol=1e-4)
+        off = largest_deviations(self.action, proposed[None], labelled[None])
+        return bool(off[0] > self.action.tolerance)
+
+
+AS_RECORDED = View()
+
+
 @dataclass(frozen=True, eq=False)
 class Intervention:
     """A run of steps in which the expert acts, with at most short breaks, and its episode."""
@@ -35,7 +69,7 @@ class Intervention:
     """first step of the expert"""
     stop: int
     """first step after it"""
-    pictures: Pictures
+    view: View
 
     @property
     def expert_s(self) -> float:
@@ -51,17 +85,8 @@ class Intervention:
         return slice(max(self.start - context, 0), min(stop, len(self.episode.steps)))
 
 
-def recorded(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
-    """What the first camera saw; raises NothingToShowError where there was none."""
-    if not episode.final_observation.images:
-        raise NothingToShowError(
-            f"{episode.info.task} was seen by no camera; wanted images, or a `picture` in its entry"
-        )
-    return [next(iter(episode.steps[index].observation.images.values())) for index in indices]
-
-
 def best_intervention(
-    store: EpisodeStore, method: str = "sheath", pictures: Pictures = recorded
+    store: EpisodeStore, method: str = "sheath", view: View = AS_RECORDED
 ) -> Intervention:
     """The one to show, images included, of all of `method`; raises NothingToShowError.
 
@@ -76,7 +101,7 @@ def best_intervention(
             framed = start >= context and not expert[start - context : start].any()
             framed = framed and stop + context <= len(expert)
             framed = framed and not expert[stop : stop + context].any()
-            differing = sum(disagreed(episode)[start : min(stop, start + longest)])
+            differing = sum(view.disagreed(episode)[start : min(stop, start + longest)])
             rank = (
                 episode.outcome is Outcome.SUCCESS,
                 framed,
@@ -91,19 +116,7 @@ def best_intervention(
             f"{store.path} holds no intervention of {method}; run its rounds first"
         )
     _, episode, start, stop = best
-    return Intervention(store.read(episode_name(episode.info)), start, stop, pictures)
-
-
-def disagreed(episode: Episode) -> NDArray[np.bool_]:
-    """(t,) where the policy wanted something else than the expert's label."""
-    return np.array(
-        [
-            step.proposed is not None
-            and step.labelled is not None
-            and not np.allclose(step.proposed, step.labelled, atol=1e-4)
-            for step in episode.steps
-        ]
-    )
+    return Intervention(store.read(episode_name(episode.info)), start, stop, view)
 
 
 def expert_acted(episode: Episode) -> NDArray[np.bool_]:
