@@ -10,7 +10,7 @@ it runs.
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -62,7 +62,13 @@ def recording_lines(sizes: Sizes) -> dict[str, Line]:
         simulated_s = len(first) / rate_hz
         one_s = _spent_s(partial(run, one))
         infos = _infos(name, rate_hz, max(1, round(sizes.turn_s / one_s)))
-        turns = [_turn(run, infos, recorded_first=bool(turn % 2)) for turn in range(sizes.turns)]
+        with (
+            tempfile.TemporaryDirectory(dir=".") as folder,
+            # For all turns, as one does for all rounds of a training run.
+            BackgroundRecorder(EpisodeStore.create(Path(folder, "store"))) as recorder,
+        ):
+            alone = EpisodeStore.create(Path(folder, "alone"))
+            turns = [_turn(run, infos, recorder, alone, number) for number in range(sizes.turns)]
         environment.close()
         plain_s, recorded_s, append_s = np.array(turns).T
         cost_s = np.median(recorded_s - plain_s) / len(infos)
@@ -106,21 +112,26 @@ def _run(
 
 
 def _turn(
-    run: Callable[..., list[Episode]], infos: Sequence[EpisodeInfo], recorded_first: bool
+    run: Callable[..., list[Episode]],
+    infos: Sequence[EpisodeInfo],
+    recorder: BackgroundRecorder,
+    alone: EpisodeStore,
+    number: int,
 ) -> tuple[float, float, float]:
-    """Seconds of all episodes without and with a recorder, and of one append alone."""
-    with tempfile.TemporaryDirectory(dir=".") as folder:
+    """Seconds of all episodes without and with the recorder, and of one append to `alone`."""
+    # The same scenes under names of their own.
+    infos = [replace(info, round=number) for info in infos]
 
-        def recorded() -> None:
-            with BackgroundRecorder(EpisodeStore.create(Path(folder, "store"))) as recorder:
-                run(infos, [recorder])
+    def recorded() -> None:
+        run(infos, [recorder])
+        recorder.flush()
 
-        # Who comes first changes, so that a machine that slows down favours neither.
-        recorded_s = _spent_s(recorded) if recorded_first else 0.0
-        plain_s = _spent_s(lambda: run(infos))
-        recorded_s = recorded_s or _spent_s(recorded)
-        store, (episode,) = EpisodeStore.create(Path(folder, "alone")), run(infos[:1])
-        return plain_s, recorded_s, _spent_s(lambda: store.append(episode))
+    # Who comes first changes, so that a machine that slows down favours neither.
+    recorded_s = _spent_s(recorded) if number % 2 else 0.0
+    plain_s = _spent_s(lambda: run(infos))
+    recorded_s = recorded_s or _spent_s(recorded)
+    (episode,) = run(infos[:1])
+    return plain_s, recorded_s, _spent_s(lambda: alone.append(episode))
 
 
 def drawing_lines(sizes: Sizes) -> dict[str, Line]:
