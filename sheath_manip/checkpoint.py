@@ -24,7 +24,7 @@ from sheath_manip.policies import make_policy
 from sheath_manip.protocols import Arrays, Policy, Signal
 from sheath_manip.signals import SignalChoice, make_signal
 from sheath_manip.signals.joined import JoinedSignal
-from sheath_manip.signals.precedent import PrecedentSignal
+from sheath_manip.signals.support import SupportSignal
 from sheath_manip.types import Observation, Reason, TaskSpec
 
 FORMAT = "sheath-checkpoint"
@@ -66,9 +66,11 @@ class Checkpoint:
         images = {camera: image[None] for camera, image in observation.images.items()}
         if isinstance(self.signal, JoinedSignal):
             parts = self.signal.parts(images, observation.features[None])
-            least = min(parts, key=lambda name: float(parts[name][0]))
-            return Reason.OUTSIDE if least == "support" else Reason.RISK
-        return Reason.RISK if isinstance(self.signal, PrecedentSignal) else Reason.OUTSIDE
+            # Who finds it rarest, however often each counts.
+            weights = self.signal.weights
+            rarest = min(parts, key=lambda name: float(parts[name][0]) / weights[name])
+            return Reason.OUTSIDE if rarest == "support" else Reason.RISK
+        return Reason.OUTSIDE if isinstance(self.signal, SupportSignal) else Reason.RISK
 
     def scores(self, samples: Samples) -> NDArray[np.float64]:
         """(n,) the signal's scores of `samples`."""

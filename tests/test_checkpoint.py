@@ -9,6 +9,8 @@ from sheath_manip.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.exceptions import CheckpointError
 from sheath_manip.policies import make_policy
 from sheath_manip.signals import SignalChoice, make_signal
+from sheath_manip.signals.joined import JoinedSignal
+from sheath_manip.types import Observation, Reason
 from tests import buttons
 from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
 
@@ -62,6 +64,7 @@ def rewritten(path: Path, **changes) -> Path:
         ("paper-cnn", "pooled-convolutions-whitened", "support"),
         ("paper-cnn", "penultimate", "precedent"),
         ("hog-svm", "pixels", "joined"),
+        ("hog-svm", "pixels", "trust-joined"),
     ],
 )
 def test_what_is_loaded_is_what_was_saved(policy, embedding, signal, tmp_path):
@@ -184,3 +187,37 @@ def test_a_task_with_other_choices(path):
     spec = replace(SPEC, action=replace(SPEC.action, choices=CHOICES[:2]))
     with pytest.raises(CheckpointError, match="does not fit"):
         load_checkpoint(path, spec)
+
+
+class OfFeature:
+    """A signal whose score is a feature."""
+
+    def __init__(self, column: int) -> None:
+        self.column = column
+
+    def calibrate(self, episodes):
+        del episodes
+        return self
+
+    def scores(self, images, features):
+        del images
+        return np.asarray(features)[:, self.column].astype(float)
+
+
+def test_to_blame_is_the_signal_that_finds_a_state_rarest_however_often_it_counts(checkpoint):
+    rng = np.random.default_rng(0)
+    usual = replace(held_out(), features=rng.normal(size=(2000, 2)).astype(np.float32), images={})
+    signal = JoinedSignal(
+        {"support": OfFeature(0), "trust": OfFeature(1)},  # pyright: ignore[reportArgumentType]
+        {"support": 1.0, "trust": 4.0},
+    ).calibrate([usual])
+    joined = replace(checkpoint, signal=signal)
+    for features, reason in (([-6.0, -2.0], Reason.OUTSIDE), ([0.0, -6.0], Reason.RISK)):
+        observation = Observation({}, np.array(features, np.float32), 0.0)
+        assert joined.reason(observation) is reason
+
+
+def test_alone_a_support_says_outside_and_what_weighs_the_proposal_says_risk(checkpoint):
+    observation = observation_of(held_out(), 0)
+    assert checkpoint.reason(observation) is Reason.OUTSIDE
+    assert checkpoint_of("hog-svm", "pixels", "trust").reason(observation) is Reason.RISK
