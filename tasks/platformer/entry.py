@@ -83,6 +83,13 @@ def scene_figure(*arguments: Any) -> None:
     scene(*arguments)
 
 
+def before_a_gap(*arguments: Any) -> None:
+    """`tasks.platformer.figures.before_a_gap`, likewise."""
+    from tasks.platformer.figures import before_a_gap
+
+    before_a_gap(*arguments)
+
+
 def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
     """`tasks.platformer.figures.film_frame`, likewise."""
     from tasks.platformer.figures import film_frame
@@ -191,7 +198,7 @@ PLATFORMER = TaskEntry(
             final=2,
         ),
     },
-    figures={"scene.png": scene_figure},
+    figures={"scene.png": scene_figure, "before_a_gap.gif": before_a_gap},
     picture=picture,
     claims=CLAIMS,
 )

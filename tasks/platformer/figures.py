@@ -1,5 +1,7 @@
 """Pictures of the platformer: a player among the tiles, and a whole stage at a glance."""
 
+from functools import partial
+from math import floor
 from pathlib import Path
 
 import mujoco
@@ -11,17 +13,26 @@ from PIL import Image
 from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.experiments.figures.intervention import NothingToShowError
+from sheath_manip.experiments.figures.film import film
+from sheath_manip.experiments.figures.intervention import (
+    NothingToShowError,
+    View,
+    best_intervention,
+)
+from sheath_manip.experiments.figures.replayed import replayed
 from sheath_manip.experiments.figures.style import WIDTH_PX, limited
-from sheath_manip.types import Purpose
+from sheath_manip.types import Episode, Purpose
 from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.stage import LENGTH_TILES
+from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES
+from tasks.platformer.task import PlatformerTask
 
 VIEW_HEIGHT_M = 14.0
 """of the overview camera in the world's file"""
 FRAME_HEIGHT_PX, STRIPS = 640, 2
 """of `scene`"""
 COLOURS = 32
+_NEAR_TILES = 5
+"""in which a gap begins that one is before"""
 _MARGIN_M = 4.0
 """before the start and behind the flag"""
 
@@ -47,6 +58,30 @@ def scene(
     environment.reset(shown.info.seed)
     environment.restore(store.read(episode_name(shown.info)).steps[len(shown) // 2].state)
     write_scene(environment, path)
+
+
+def before_a_gap(
+    store: EpisodeStore, checkpoint: Checkpoint, environment: ComposerEnvironment, path: Path
+) -> None:
+    """A film of SHEATH taking over before a gap, on the stage of the checkpoint's training seed."""
+    task = environment.task
+    assert isinstance(task, PlatformerTask)
+
+    def column(episode: Episode, index: int) -> int:
+        environment.restore(episode.steps[min(index, len(episode) - 1)].state)
+        return floor(task.moment.x) + LEAD_TILES
+
+    def over_a_gap(episode: Episode, start: int, stop: int) -> bool:
+        if episode.info.run_seed != checkpoint.run_seed:
+            return False
+        environment.reset(episode.info.seed)
+        heights = task.stage.heights
+        first, behind = column(episode, start), column(episode, stop)
+        near = heights[first + 1 : min(first + 1 + _NEAR_TILES, behind)]
+        return bool(heights[first] > 0 and heights[behind] > 0 and (near == 0).any())
+
+    view = View(partial(replayed, environment, film_frame), environment.spec.action)
+    film(best_intervention(store, view=view, wanted=over_a_gap), path)
 
 
 def write_scene(environment: ComposerEnvironment, path: Path, width_px: int = WIDTH_PX) -> None:

@@ -1,5 +1,6 @@
 """The platformer's own figure, and the frames of its films."""
 
+from math import floor
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,10 +13,12 @@ from sheath_manip.experiments.figures.intervention import NothingToShowError
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.gates import AlwaysExpert
 from sheath_manip.rollout import rollout
-from sheath_manip.types import EpisodeInfo, Purpose
+from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Purpose, Reason
 from tasks.platformer.entry import PLATFORMER, make_stage_of
 from tasks.platformer.expert import PlatformerExpert
-from tasks.platformer.figures import scene
+from tasks.platformer.figures import before_a_gap, scene
+from tasks.platformer.stage import LEAD_TILES
+from tasks.platformer.task import PlatformerTask
 
 
 def players_column(picture: np.ndarray) -> float:
@@ -51,3 +54,52 @@ def test_a_demonstration_is_shown_in_the_middle_and_its_frames_from_its_states(t
     assert not np.array_equal(frames[0], frames[1])
     for frame in frames:
         assert players_column(frame) == pytest.approx(1 / 3, 0.1)
+
+
+class AtTheFirst:
+    """A gate that gives the expert one second: from where `column` is 2 tiles ahead."""
+
+    def __init__(self, environment, column: int) -> None:
+        self.environment, self.column, self.left = environment, column, 24
+
+    def reset(self, rng) -> None:
+        del rng
+        self.left = 24
+
+    def decide(self, observation, proposed) -> GateDecision:
+        del observation, proposed
+        near = floor(self.environment.task.moment.x) + LEAD_TILES >= self.column - 2
+        acts = near and self.left > 0
+        self.left -= acts
+        return GateDecision(Actor.EXPERT if acts else Actor.POLICY, acts, Reason.OUTSIDE, 0.0, 1.0)
+
+
+def test_a_film_of_a_takeover_before_a_gap_wants_a_gap(tmp_path):
+    environment = make_stage_of("run", 3)
+    environment.reset(5)
+    task = environment.task
+    assert isinstance(task, PlatformerTask)
+    heights = task.stage.heights
+    gap = int(np.flatnonzero(heights == 0)[0])
+    wall = int(np.flatnonzero(np.diff(heights[LEAD_TILES:]) > 0)[0]) + LEAD_TILES + 1
+    path, checkpoint = tmp_path / "film.gif", SimpleNamespace(run_seed=3)
+    for column, shown in ((wall, False), (gap, True)):
+        expert = PlatformerExpert(environment)
+        store = EpisodeStore.create(tmp_path / str(column))
+        rollout(
+            environment,
+            EpisodeInfo("platformer", 5, Purpose.LEARNING, 24.0, "sheath", 1, run_seed=3),
+            AtTheFirst(environment, column),
+            rng=np.random.default_rng(0),
+            policy=SimpleNamespace(act=expert.act),  # type: ignore[arg-type]
+            expert=expert,
+            listeners=[Recorder(store)],
+        )
+        if shown:
+            before_a_gap(store, checkpoint, environment, path)  # type: ignore[arg-type]
+        else:
+            with pytest.raises(NothingToShowError):
+                before_a_gap(store, checkpoint, environment, path)  # type: ignore[arg-type]
+    environment.close()
+    with Image.open(path) as image:
+        assert image.n_frames > 30  # pyright: ignore[reportAttributeAccessIssue]

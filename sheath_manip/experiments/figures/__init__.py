@@ -10,15 +10,24 @@ from sheath_manip.experiments.figures.bound import bound
 from sheath_manip.experiments.figures.burden import burden
 from sheath_manip.experiments.figures.film import film
 from sheath_manip.experiments.figures.film_strip import film_strip
-from sheath_manip.experiments.figures.intervention import AS_RECORDED, NothingToShowError, View
+from sheath_manip.experiments.figures.intervention import (
+    AS_RECORDED,
+    NothingToShowError,
+    View,
+    best_intervention,
+)
 from sheath_manip.experiments.figures.rounds import rounds
 
 FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, View, Path], None]] = {
     "rounds.png": lambda summary, _, __, path: rounds(summary, path),
     "burden.png": lambda summary, _, __, path: burden(summary, path),
     "bound.png": lambda summary, _, __, path: bound(summary, path),
-    "film_strip.png": lambda _, store, view, path: film_strip(store, path, view),
-    "intervention.gif": lambda _, store, view, path: film(store, path, view),
+    "film_strip.png": lambda _, store, view, path: film_strip(
+        best_intervention(store, view=view), path
+    ),
+    "intervention.gif": lambda _, store, view, path: film(
+        best_intervention(store, view=view), path
+    ),
 }
 """by file name, from the summary, the episodes and how their steps look"""
 

@@ -7,12 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import (
-    AS_RECORDED,
     Intervention,
-    View,
-    best_intervention,
 )
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
 from sheath_manip.support.calibration import NOTHING_INSIDE
@@ -31,12 +27,8 @@ INK_RGB = (34, 39, 46)
 FONT = cv2.FONT_HERSHEY_DUPLEX
 
 
-def film(store: EpisodeStore, path: Path, view: View = AS_RECORDED) -> None:
-    """An animated GIF of the intervention and its surroundings, at half speed.
-
-    Raises NothingToShowError where SHEATH's episodes have no intervention.
-    """
-    shown = best_intervention(store, view=view)
+def film(shown: Intervention, path: Path) -> None:
+    """An animated GIF of the intervention and its surroundings, at half speed."""
     window = range(*shown.window.indices(len(shown.episode.steps)))
     images = shown.view.pictures(shown.episode, window)
     drawn = [_frame(shown, index, image) for index, image in zip(window, images, strict=True)]

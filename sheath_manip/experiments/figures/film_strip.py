@@ -6,12 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import (
-    AS_RECORDED,
     Intervention,
-    View,
-    best_intervention,
     expert_acted,
 )
 from sheath_manip.experiments.figures.style import EXPERT, GREY, INK, POLICY, drawing, heading
@@ -20,12 +16,8 @@ from sheath_manip.types import Actor, Step
 FRAMES = 7
 
 
-def film_strip(store: EpisodeStore, path: Path, view: View = AS_RECORDED) -> None:
-    """Frames framed in the colour of who acts, and below them score and threshold over time.
-
-    Raises NothingToShowError where SHEATH's episodes have no intervention.
-    """
-    shown = best_intervention(store, view=view)
+def film_strip(shown: Intervention, path: Path) -> None:
+    """Frames framed in the colour of who acts, and below them score and threshold over time."""
     info, steps = shown.episode.info, shown.episode.steps
     window = shown.window
     frames = np.rint(np.linspace(window.start, window.stop - 1, FRAMES)).astype(int)

@@ -86,9 +86,15 @@ class Intervention:
 
 
 def best_intervention(
-    store: EpisodeStore, method: str = "sheath", view: View = AS_RECORDED
+    store: EpisodeStore,
+    method: str = "sheath",
+    view: View = AS_RECORDED,
+    wanted: Callable[[Episode, int, int], bool] = lambda *_: True,
 ) -> Intervention:
-    """The one to show, images included, of all of `method`; raises NothingToShowError.
+    """The one to show, images included, of all of `method` that are `wanted`.
+
+    Of an episode, the expert's first step and the first after it `wanted` says whether it is about
+    what is to be shown. Raises NothingToShowError.
 
     Rather one in an episode that succeeded, with the policy driving before and after, in which the
     policy wanted something else than the expert for as many steps as possible.
@@ -109,7 +115,7 @@ def best_intervention(
                 differing,
                 stop - start,
             )
-            if best is None or rank > best[0]:
+            if (best is None or rank > best[0]) and wanted(episode, start, stop):
                 best = rank, episode, start, stop
     if best is None:
         raise NothingToShowError(

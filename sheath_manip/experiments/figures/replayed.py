@@ -1,6 +1,7 @@
 """Pictures of steps as no camera saw them: their states are restored and looked at afterwards."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +17,27 @@ def pictures_of(task: TaskEntry, variant: str) -> Pictures:
     if picture is None:
         return recorded
 
-    def replayed(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
+    def pictures(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
         # Each training run may have a scene of its own.
         environment = task.make_for_run(variant, episode.info.run_seed)
         try:
-            environment.reset(episode.info.seed)
-            found = []
-            for index in indices:
-                environment.restore(episode.steps[index].state)
-                found.append(picture(environment))
-            return found
+            return replayed(environment, picture, episode, indices)
         finally:
             environment.close()
 
-    return replayed
+    return pictures
+
+
+def replayed(
+    environment: Any,
+    picture: Callable[[Any], NDArray[np.uint8]],
+    episode: Episode,
+    indices: Sequence[int],
+) -> Sequence[NDArray[np.uint8]]:
+    """A `picture` of each of those steps, in the `environment` of the episode's training run."""
+    environment.reset(episode.info.seed)
+    found = []
+    for index in indices:
+        environment.restore(episode.steps[index].state)
+        found.append(picture(environment))
+    return found
