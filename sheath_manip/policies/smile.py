@@ -61,7 +61,6 @@ class SmileMixture:
         if not 0 < alpha < 1:
             raise ParameterError(f"alpha is {alpha}; wanted a share between 0 and 1, like 0.1")
         self.spec = spec
-        self.choices = choices_of(spec)
         self.member = member
         self.alpha = alpha
         self.member_settings = dict(member_settings or {})
@@ -89,16 +88,21 @@ class SmileMixture:
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float32]:
         """(n, a) the likeliest actions: those with the most weight behind them, nothing drawn."""
-        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+        weights = self.weights()
+        said = np.stack([member.predict(images, features) for member in self.members_])
+        same = (said[:, None] == said[None]).all(axis=3)
+        support = np.einsum("j,ijn->in", weights, same)
+        return said[support.argmax(axis=0), np.arange(said.shape[1])]
 
     def choice_scores(
         self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
     ) -> NDArray[np.float64]:
-        """(n, k) the chance of each choice to be drawn."""
-        chances = np.zeros((len(features), len(self.choices)))
+        """(n, k) the chance of each choice to be drawn; ParameterError where there are none."""
+        choices = choices_of(self.spec)
+        chances = np.zeros((len(features), len(choices)))
         rows = np.arange(len(features))
         for weight, member in zip(self.weights(), self.members_, strict=True):
-            said = nearest_choices(self.choices, member.predict(images, features))
+            said = nearest_choices(choices, member.predict(images, features))
             chances[rows, said] += weight
         return chances
 
