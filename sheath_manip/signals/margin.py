@@ -26,11 +26,6 @@ class MarginSignal:
         del states, agreement
         return self._look_at(policy)
 
-    def refit(self, states: Samples) -> Self:
-        """It has no parameters to be fitted."""
-        del states
-        return self
-
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """A margin needs no held-out states."""
         del episodes

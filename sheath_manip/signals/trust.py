@@ -50,11 +50,6 @@ class TrustSignal:
         self.states.fit(policy, states)
         return self._measured()
 
-    def refit(self, states: Samples) -> Self:
-        """Distances have no parameters to be fitted."""
-        del states
-        return self
-
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """A ratio needs no held-out states."""
         del episodes
