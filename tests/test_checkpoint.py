@@ -13,6 +13,7 @@ from sheath_manip.signals.joined import JoinedSignal
 from sheath_manip.types import Observation, Reason
 from tests import buttons
 from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
+from tests.feature_signal import FeatureSignal
 
 CHOICE = asdict(SignalChoice("support", "pixels", "one-class-svm", "pixels"))
 
@@ -189,26 +190,11 @@ def test_a_task_with_other_choices(path):
         load_checkpoint(path, spec)
 
 
-class OfFeature:
-    """A signal whose score is a feature."""
-
-    def __init__(self, column: int) -> None:
-        self.column = column
-
-    def calibrate(self, episodes):
-        del episodes
-        return self
-
-    def scores(self, images, features):
-        del images
-        return np.asarray(features)[:, self.column].astype(float)
-
-
 def test_to_blame_is_the_signal_that_finds_a_state_rarest_however_often_it_counts(checkpoint):
     rng = np.random.default_rng(0)
     usual = replace(held_out(), features=rng.normal(size=(2000, 2)).astype(np.float32), images={})
     signal = JoinedSignal(
-        {"support": OfFeature(0), "trust": OfFeature(1)},  # pyright: ignore[reportArgumentType]
+        {"support": FeatureSignal(0), "trust": FeatureSignal(1)},  # pyright: ignore[reportArgumentType]
         {"support": 1.0, "trust": 4.0},
     ).calibrate([usual])
     joined = replace(checkpoint, signal=signal)

@@ -49,11 +49,6 @@ class NearPrecedentSignal:
         self.action_units_ = np.asarray(np.sqrt(self.action_weight) / moved, np.float32)
         return self._take(self._joined(vectors, labels))
 
-    def refit(self, states: Samples) -> Self:
-        """Distances have no parameters to be fitted."""
-        del states
-        return self
-
     def calibrate(self, episodes: Sequence[Samples]) -> Self:
         """A distance needs no held-out states."""
         del episodes

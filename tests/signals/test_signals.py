@@ -15,6 +15,7 @@ from sheath_manip.signals.margin import MarginSignal
 from sheath_manip.signals.precedent import PrecedentSignal
 from sheath_manip.signals.trust import TrustSignal
 from tests.blobs import CHOICES, fitted_policy, held_out, observation_of, training
+from tests.feature_signal import FeatureSignal
 
 PLAN = LearningPlan(policy="hog-svm", embedding="pixels", precedent_embedding="pixels")
 
@@ -175,26 +176,11 @@ def test_the_share_falls_with_the_score_and_on_below_all_that_was_seen():
     assert tenth[0] == pytest.approx(np.log(0.1), abs=0.02)
 
 
-class Given:
-    """A signal whose score is a feature."""
-
-    def __init__(self, column: int) -> None:
-        self.column = column
-
-    def calibrate(self, episodes):
-        del episodes
-        return self
-
-    def scores(self, images, features):
-        del images
-        return features[:, self.column].astype(float)
-
-
 def test_joined_one_veto_suffices_and_two_suspicions_add_up():
     rng = np.random.default_rng(0)
     features = rng.normal(size=(2000, 2)).astype(np.float32)
     samples = replace(held_out(), features=features, images={})
-    joined = JoinedSignal({"first": Given(0), "second": Given(1)})  # pyright: ignore[reportArgumentType]
+    joined = JoinedSignal({"first": FeatureSignal(0), "second": FeatureSignal(1)})  # pyright: ignore[reportArgumentType]
     joined.calibrate([samples])
 
     def score(*values: float) -> float:
@@ -213,7 +199,7 @@ def test_a_weight_is_how_often_a_signal_counts():
     samples = replace(held_out(), features=features, images={})
 
     def scores(*columns: int, **weights: float) -> np.ndarray:
-        signals = {f"s{number}": Given(column) for number, column in enumerate(columns)}
+        signals = {f"s{number}": FeatureSignal(column) for number, column in enumerate(columns)}
         joined = JoinedSignal(signals, weights or None)  # pyright: ignore[reportArgumentType]
         return joined.calibrate([samples]).scores({}, features)
 
@@ -221,13 +207,13 @@ def test_a_weight_is_how_often_a_signal_counts():
 
 
 def test_what_cannot_be_joined():
-    two = {"a": Given(0), "b": Given(1)}
+    two = {"a": FeatureSignal(0), "b": FeatureSignal(1)}
     for weights in ({"a": 1.0}, {"a": 1.0, "b": 0.0}):
         with pytest.raises(ParameterError, match="wanted one above 0 each"):
             JoinedSignal(two, weights)  # pyright: ignore[reportArgumentType]
     with pytest.raises(ParameterError, match="wanted at least 2"):
-        JoinedSignal({"one": Given(0)})  # pyright: ignore[reportArgumentType]
+        JoinedSignal({"one": FeatureSignal(0)})  # pyright: ignore[reportArgumentType]
     nothing = replace(held_out(), features=np.full((50, 2), np.nan, np.float32), images={})
-    joined = JoinedSignal({"a": Given(0), "b": Given(1)})  # pyright: ignore[reportArgumentType]
+    joined = JoinedSignal({"a": FeatureSignal(0), "b": FeatureSignal(1)})  # pyright: ignore[reportArgumentType]
     with pytest.raises(ParameterError, match=r"signal 'a' scores 0 steps of 1 .* at least 20"):
         joined.calibrate([nothing])

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sheath_manip.experiments.figures.intervention import (
-    Intervention,
-)
+from sheath_manip.experiments.figures.intervention import Intervention
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
 from sheath_manip.support.calibration import NOTHING_INSIDE
 from sheath_manip.types import Actor

@@ -6,10 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from sheath_manip.experiments.figures.intervention import (
-    Intervention,
-    expert_acted,
-)
+from sheath_manip.experiments.figures.intervention import Intervention, expert_acted
 from sheath_manip.experiments.figures.style import EXPERT, GREY, INK, POLICY, drawing, heading
 from sheath_manip.types import Actor, Step
 
