@@ -35,7 +35,9 @@ lint: $(DEV_STAMP) ## ruff: rules and format
 	$(BIN)/ruff format --check .
 
 contracts: $(DEV_STAMP) ## the direction of the imports
-	$(BIN)/lint-imports
+	@rm -rf build/contracts && mkdir -p build/contracts
+	@cp -rL sheath_manip pyproject.toml build/contracts/
+	cd build/contracts && PYTHONPATH=. $(CURDIR)/$(BIN)/lint-imports
 
 types: $(DEV_STAMP) ## pyright
 	$(BIN)/pyright

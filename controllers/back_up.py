@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.trail import Trail
-from controllers.twist_control import twist_between
+from sheath_manip.controllers.trail import Trail
+from sheath_manip.controllers.twist_control import twist_between
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import Action, Observation
 

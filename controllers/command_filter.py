@@ -21,10 +21,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from controllers.joint_limits import JointLimits
-from controllers.speed_cap import SpeedCap
-from controllers.stopping import Stopping
-from controllers.workspace import Workspace
+from sheath_manip.controllers.joint_limits import JointLimits
+from sheath_manip.controllers.speed_cap import SpeedCap
+from sheath_manip.controllers.stopping import Stopping
+from sheath_manip.controllers.workspace import Workspace
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import Limited
 

@@ -7,7 +7,7 @@ import mink
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.twist_control import TwistControl
+from sheath_manip.controllers.twist_control import TwistControl
 
 
 @dataclass(frozen=True)

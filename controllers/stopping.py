@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.joint_limits import JointLimits
+from sheath_manip.controllers.joint_limits import JointLimits
 
 _TOLERANCE = 1e-12
 """rounding of sums of some ten numbers near 1"""

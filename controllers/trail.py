@@ -5,7 +5,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.twist_control import twist_between
+from sheath_manip.controllers.twist_control import twist_between
 from sheath_manip.exceptions import ParameterError
 
 

@@ -6,8 +6,6 @@ from typing import ClassVar, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
-from sheath_manip.results import RoundResult
 from sheath_manip.types import (
     Action,
     Episode,
@@ -21,9 +19,13 @@ from sheath_manip.types import (
     TaskSpec,
     Transition,
 )
+from sheath_manip.types.samples import Samples
 
 Arrays = Mapping[str, NDArray]
 """The learned state of a component as plain arrays: what a checkpoint holds, with no code in it."""
+
+Report = Callable[[str], None]
+"""called once for each unit of work done, with a word on what it was"""
 
 Agreement = Callable[[], NDArray[np.bool_]]
 """(n,) whether the policy does as the expert would in its n training states, judged by fits that
@@ -262,15 +264,6 @@ class Gate(Protocol):
 
     def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
         """Decide for one step; `proposed` is None where the policy had nothing valid to say."""
-        ...
-
-
-@runtime_checkable
-class FollowsRounds(Protocol):
-    """A listener that wants to know what each round of learning came to."""
-
-    def on_round(self, result: RoundResult) -> None:
-        """Called after each round, and of those that were done before a run was resumed."""
         ...
 
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.claims import Claim
 from sheath_manip.cockpit.expert import Hands
 from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.plan import LearningPlan
-from sheath_manip.probes import Probes
+from sheath_manip.experiments.claims import Claim
+from sheath_manip.experiments.probes import Probes
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import Environment, Expert
 
 SCRIPTED = "scripted"

@@ -1,4 +1,4 @@
-"""One dm_control task a folder, each runnable as a script; `tasks.table` lists them."""
+"""One dm_control task a folder, each runnable as a script; `table` lists them."""
 
 import os
 

@@ -22,6 +22,6 @@ def load_tasks() -> Mapping[str, TaskEntry]:
     """The table; raises SetupError where the machine lacks the GL library that MuJoCo wants."""
     require_gl()
     # Only now: without its GL library MuJoCo cannot be imported, and `sheath doctor` must run.
-    from tasks.table import TASKS
+    from sheath_manip.tasks.table import TASKS
 
     return TASKS

@@ -10,6 +10,7 @@ import numpy as np
 from dm_control import composer, mjcf
 from numpy.typing import NDArray
 
+from sheath_manip.tasks.scene import scene_geoms
 from sheath_manip.types import (
     Action,
     Commanded,
@@ -22,7 +23,6 @@ from sheath_manip.types import (
     TaskSpec,
     Transition,
 )
-from tasks.scene import scene_geoms
 
 _STATE = (
     mujoco.mjtState.mjSTATE_TIME

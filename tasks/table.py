@@ -1,10 +1,10 @@
 """The table of tasks: a new task is one line here."""
 
 from sheath_manip.task import TaskEntry
-from tasks.driving.entry import DRIVING
-from tasks.gauze_cutting.entry import GAUZE_CUTTING
-from tasks.grasp_clutter.entry import GRASP_CLUTTER
-from tasks.platformer.entry import PLATFORMER
+from sheath_manip.tasks.driving.entry import DRIVING
+from sheath_manip.tasks.gauze_cutting.entry import GAUZE_CUTTING
+from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
+from sheath_manip.tasks.platformer.entry import PLATFORMER
 
 TASKS: dict[str, TaskEntry] = {
     "driving": DRIVING,

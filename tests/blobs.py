@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.policies import make_policy
 from sheath_manip.protocols import Policy
 from sheath_manip.types import ActionSpec, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 CHOICES = np.radians([[-15.0], [0.0], [15.0]]).astype(np.float32)
 ACTION = ActionSpec(("steering_rad",), CHOICES[0], CHOICES[-1], CHOICES)

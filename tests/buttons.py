@@ -4,10 +4,10 @@ from functools import cache, partial
 
 import numpy as np
 
-from sheath_manip.dataset.samples import Samples
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Action, ActionSpec, Observation, TaskSpec, Transition
+from sheath_manip.types.samples import Samples
 from tests.toy import CHOICES as SIDESTEPS
 from tests.toy import Corridor, MiddleKeeper
 

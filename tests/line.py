@@ -7,10 +7,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.policies import make_policy
 from sheath_manip.protocols import Policy
 from sheath_manip.types import ActionSpec, TaskSpec, ToolFrame
+from sheath_manip.types.samples import Samples
 
 SIDE_PX = 48
 PX_M = 0.002

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from sheath_manip.checkpoint import digest
+from sheath_manip.learning.checkpoint import digest
 
 
 def digests(directory: Path) -> dict[str, str]:

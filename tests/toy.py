@@ -6,10 +6,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.hold import Hold
-from controllers.teleop.buttons import Button, ButtonHands
-from sheath_manip.plan import LearningPlan
-from sheath_manip.probes import Displacement, Probes
+from sheath_manip.controllers.hold import Hold
+from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
+from sheath_manip.experiments.probes import Displacement, Probes
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import (
     Action,

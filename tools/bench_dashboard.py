@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.cockpit.expert import OperatedExpert
@@ -25,15 +24,16 @@ from sheath_manip.cockpit.gate import PersonGate
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy
 from sheath_manip.protocols import Expert, Gate, Listener
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.task import DrivingTask
+from sheath_manip.tasks.driving.task import Scenario as DrivingScenario
+from sheath_manip.tasks.grasp_clutter.entry import drive_of, hands, hold
+from sheath_manip.tasks.grasp_clutter.task import GraspTask
+from sheath_manip.tasks.grasp_clutter.task import Scenario as GraspScenario
 from sheath_manip.types import EpisodeInfo, Observation, Purpose, Reason, Step
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.task import DrivingTask
-from tasks.driving.task import Scenario as DrivingScenario
-from tasks.grasp_clutter.entry import drive_of, hands, hold
-from tasks.grasp_clutter.task import GraspTask
-from tasks.grasp_clutter.task import Scenario as GraspScenario
 from tools.bench import Line, at_most, run_bench
 from tools.page_client import page_clients
 from tools.scripted_person import Absent

@@ -18,13 +18,13 @@ import numpy as np
 
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.mapped import mapped_samples
-from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.protocols import Environment, Expert, Listener
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
-from tasks.table import TASKS
+from sheath_manip.types.samples import Samples, samples_from
 from tools.bench import Line, at_most, run_bench
 from tools.kill_recorder import synthetic_episode, synthetic_info
 

@@ -19,17 +19,17 @@ from dm_control import manipulation
 from numpy.typing import NDArray
 
 from sheath_manip.seeding import generator, scene_seed
-from sheath_manip.types import Action, Observation, Outcome, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.task import (
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
+from sheath_manip.tasks.grasp_clutter.task import (
     CONTROL_TIMESTEP_S,
     IMAGE_PX,
     PHYSICS_TIMESTEP_S,
     GraspTask,
     Scenario,
 )
-from tasks.rendering import PyramidCamera
+from sheath_manip.tasks.rendering import PyramidCamera
+from sheath_manip.types import Action, Observation, Outcome, Purpose
 from tools.bench import Line, at_least, at_most, run_bench, spent_s
 
 SEEDS = "bench"

@@ -13,11 +13,11 @@ import numpy as np
 
 from sheath_manip.protocols import Expert
 from sheath_manip.seeding import scene_seed
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
+from sheath_manip.tasks.gauze_cutting.open_loops import blind, registered
+from sheath_manip.tasks.gauze_cutting.task import CONTROL_TIMESTEP_S, GauzeTask, Scenario
 from sheath_manip.types import Action, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.expert import GauzeExpert
-from tasks.gauze_cutting.open_loops import blind, registered
-from tasks.gauze_cutting.task import CONTROL_TIMESTEP_S, GauzeTask, Scenario
 from tools.bench import Line, at_least, at_most, run_bench, spent_s
 
 SEEDS = "bench-gauze"

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.expert import PlatformerExpert
+from sheath_manip.tasks.platformer.planner import Planner
+from sheath_manip.tasks.platformer.stage import LENGTH_TILES
+from sheath_manip.tasks.platformer.task import PlatformerTask, Scenario
 from sheath_manip.types import Action
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.expert import PlatformerExpert
-from tasks.platformer.planner import Planner
-from tasks.platformer.stage import LENGTH_TILES
-from tasks.platformer.task import PlatformerTask, Scenario
 from tools.bench import Line, at_least, at_most, run_bench, spent_s
 
 FIRST_SEED = 50_000

@@ -19,11 +19,11 @@ from PIL import Image
 
 from sheath_manip.experiments.figures.style import limited
 from sheath_manip.seeding import scene_seed
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
+from sheath_manip.tasks.gauze_cutting.task import CAMERA, GauzeTask
+from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.types import Observation, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.expert import GauzeExpert
-from tasks.gauze_cutting.task import CAMERA, GauzeTask
-from tasks.rendering import PyramidCamera
 
 RENDERED_PX = 600
 SHOWN_PX = 420

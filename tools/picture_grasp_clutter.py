@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.seeding import scene_seed
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
+from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
+from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.types import Observation, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.task import GraspTask, Scenario
-from tasks.rendering import PyramidCamera
 
 MOMENTS = 5
 RENDERED_PX = 480

@@ -9,10 +9,10 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.expert import PlatformerExpert
-from tasks.platformer.figures import write_scene
-from tasks.platformer.task import PlatformerTask, Scenario
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.expert import PlatformerExpert
+from sheath_manip.tasks.platformer.figures import write_scene
+from sheath_manip.tasks.platformer.task import PlatformerTask, Scenario
 
 WIDTH_PX = 1200
 

@@ -25,30 +25,30 @@ from PIL import Image
 from playwright.sync_api import Page
 from rich.console import Console
 
-from sheath_manip.aggregate import LearningRun
-from sheath_manip.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.cli.adjusting import adjusted
 from sheath_manip.cli.episodes import opened, run_all
 from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending, Turn
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.recorder import Recorder
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.films.making import FilmMaker
 from sheath_manip.gates.constant import AlwaysExpert
+from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.run import LearningRun
+from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.task import TaskEntry
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
-from tasks.table import TASKS
+from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 
 MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4

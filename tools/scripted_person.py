@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from controllers.teleop.gamepad import DEAD_ZONE
-from controllers.teleop.keys import SPEED as KEY_SPEED
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.given import DEAD_MAN_BUTTON, Gamepad
+from sheath_manip.controllers.teleop.gamepad import DEAD_ZONE
+from sheath_manip.controllers.teleop.keys import SPEED as KEY_SPEED
 from sheath_manip.protocols import Environment, Expert
 from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Step
 from tools.station import TIMEOUT_S, Station

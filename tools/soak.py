@@ -19,7 +19,6 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
 from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.dashboard import Dashboard
@@ -27,9 +26,10 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import AlwaysPolicy
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import EpisodeInfo, Purpose
-from tasks.table import TASKS
 from tools.page_client import page_clients
 from tools.station import Station
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from controllers.teleop.device import Motion, grip_of
 from sheath_manip.cockpit.given import Given
 from sheath_manip.cockpit.guide import Binding
+from sheath_manip.controllers.teleop.device import Motion, grip_of
 
 _MOVES = {
     "KeyI": (0, 1.0),

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.teleop import keys
-from controllers.teleop.together import Together
 from sheath_manip.cockpit.given import Given
+from sheath_manip.controllers.teleop import keys
+from sheath_manip.controllers.teleop.together import Together
 from sheath_manip.types import Action
 
 

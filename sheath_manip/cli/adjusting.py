@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dashboard.part import Maker
 from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.fitting import with_nu
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.trained_on import TrainedOn, trained_on
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.fitting import with_nu
+from sheath_manip.learning.training_data import TrainedOn, trained_on
+from sheath_manip.types.samples import Samples
 
 
 @dataclass(frozen=True, eq=False)

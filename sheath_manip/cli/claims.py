@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from sheath_manip.claims import print_claims, verdicts
 from sheath_manip.cli.session import Session
+from sheath_manip.experiments.claims import print_claims, verdicts
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,6 @@ from sheath_manip.cli.session import Session
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.discarding import until_kept
 from sheath_manip.gates import redrawing
 from sheath_manip.metrics import (
     EpisodeRecord,
@@ -21,7 +20,8 @@ from sheath_manip.metrics import (
     record_of,
 )
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.discarding import until_kept
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import EpisodeInfo
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sheath_manip.cli.options import TaskName
 from sheath_manip.cli.session import Session, at_least_one
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.seeding import scene_seed
 from sheath_manip.types import Purpose
 
@@ -33,9 +33,9 @@ class Evaluate:
         at_least_one("episodes", self.episodes)
         task = session.task(self.task)
         # Only now: torch takes seconds to import.
-        from sheath_manip.checkpoint import digest, load_checkpoint
         from sheath_manip.cli.episodes import opened, print_figures
-        from sheath_manip.evaluation import evaluate_policy
+        from sheath_manip.learning.checkpoint import digest, load_checkpoint
+        from sheath_manip.learning.evaluation import evaluate_policy
         from sheath_manip.metrics import figures_of
 
         with opened(task, self.variant) as environment:

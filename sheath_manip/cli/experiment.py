@@ -9,7 +9,7 @@ from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
 from sheath_manip.cli.options import Address, TaskName, planned, spec_of
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
 
 WORKERS = 2
@@ -69,7 +69,7 @@ class Experiment:
         runs, results = self._directories()
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
-        from sheath_manip.methods import method_named
+        from sheath_manip.learning.methods import method_named
 
         for method in plan.methods:
             method_named(method)

@@ -109,12 +109,12 @@ class Learn:
         asked = {name: getattr(self, name) for name in PLANNED}
         plan = planned(task, self.plan, **asked, methods=(self.method,), seeds=(self.seed,))
         # Only now: torch takes seconds to import.
-        from sheath_manip.aggregate import LearningRun
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.experiments.resuming import require_same_plan
         from sheath_manip.gates.human import Nobody
-        from sheath_manip.methods import method_named
-        from sheath_manip.results import round_path
+        from sheath_manip.learning.methods import method_named
+        from sheath_manip.learning.results import round_path
+        from sheath_manip.learning.resuming import require_same_plan
+        from sheath_manip.learning.run import LearningRun
 
         method_named(self.method)
         self.runs.mkdir(parents=True, exist_ok=True)

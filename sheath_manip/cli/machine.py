@@ -31,7 +31,7 @@ class Tables:
         for task in session.tasks().values():
             session.out.print(_described(task))
         # Only now: torch takes seconds to import.
-        from sheath_manip.methods import METHODS
+        from sheath_manip.learning.methods import METHODS
         from sheath_manip.policies import EMBEDDINGS, POLICIES
         from sheath_manip.signals import SIGNALS
         from sheath_manip.support import SUPPORTS

@@ -7,13 +7,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from sheath_manip.cli.options import Address
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
 from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Expert, Gate, Listener
+from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.task import SCRIPTED, TaskEntry
 from sheath_manip.types import TaskSpec
 

@@ -10,7 +10,7 @@ import tyro
 
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import TaskSpec
 

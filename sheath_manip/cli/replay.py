@@ -15,7 +15,7 @@ from sheath_manip.task import TaskEntry
 
 if TYPE_CHECKING:
     from sheath_manip.dashboard.shelf import Shelf
-    from sheath_manip.films.making import FilmMaker
+    from sheath_manip.playback.making import FilmMaker
 
 KINDS = (".mp4", ".html")
 
@@ -64,7 +64,7 @@ class Replay:
 
     @contextmanager
     def _maker(self, task: TaskEntry, shelf: "Shelf") -> Iterator["FilmMaker"]:
-        from sheath_manip.films.making import FilmMaker
+        from sheath_manip.playback.making import FilmMaker
 
         maker = FilmMaker(task, self.variant, shelf.read)
         try:

@@ -15,7 +15,7 @@ from sheath_manip.task import SCRIPTED, TaskEntry
 from sheath_manip.types import EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
-    from sheath_manip.checkpoint import Checkpoint
+    from sheath_manip.learning.checkpoint import Checkpoint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,10 +57,10 @@ class Run:
         if self.trained_on is not None:
             raise ParameterError(f"--trained-on is for a person; wanted --expert {PERSON}")
         # Only now: torch takes seconds to import.
-        from sheath_manip.checkpoint import load_checkpoint
         from sheath_manip.cli.adjusting import support_gate
         from sheath_manip.cli.episodes import opened
         from sheath_manip.gates.constant import AlwaysPolicy
+        from sheath_manip.learning.checkpoint import load_checkpoint
 
         with opened(task, self.variant) as environment:
             checkpoint = load_checkpoint(self.checkpoint, environment.spec)
@@ -71,9 +71,9 @@ class Run:
     def _with_a_person(self, task: TaskEntry, session: Session) -> int:
         if self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
-        from sheath_manip.checkpoint import load_checkpoint
         from sheath_manip.cli.adjusting import adjusted
         from sheath_manip.cli.episodes import opened
+        from sheath_manip.learning.checkpoint import load_checkpoint
 
         with opened(task, self.variant) as probe:
             checkpoint = load_checkpoint(self.checkpoint, probe.spec)
@@ -97,9 +97,9 @@ class Run:
         gate: Gate,
         listeners: Sequence[Listener],
     ) -> int:
-        from sheath_manip.checkpoint import digest
         from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.learning.checkpoint import digest
 
         spec, alone = environment.spec, self.policy_alone
         purpose = Purpose.EVALUATION if alone else Purpose.LEARNING

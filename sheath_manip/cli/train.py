@@ -86,16 +86,16 @@ class Train:
         task = session.task(self.task)
         plan = planned(task, "full", **{name: getattr(self, name) for name in PLANNED})
         # Only now: torch takes seconds to import.
-        from sheath_manip.checkpoint import digest
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.dataset.places import open_place
-        from sheath_manip.dataset.samples import samples_from
-        from sheath_manip.fitting import fit_gate
+        from sheath_manip.learning.checkpoint import digest
+        from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
         from sheath_manip.signals import make_signal, planned_signal
         from sheath_manip.support.calibration import threshold_rule
+        from sheath_manip.types.samples import samples_from
 
         with opened(task, "default") as environment:
             spec = environment.spec

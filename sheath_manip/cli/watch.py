@@ -7,9 +7,9 @@ from itertools import count
 from pathlib import Path
 
 from sheath_manip.cli.options import Address, TaskName
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit import Cockpit
+from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import scene_seed
 from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 
@@ -45,10 +45,10 @@ class Watch:
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         task = session.task(self.task)
         # Only now: torch takes seconds to import.
-        from sheath_manip.checkpoint import load_checkpoint
         from sheath_manip.cli.adjusting import adjusted
         from sheath_manip.cli.episodes import opened, run_all
         from sheath_manip.gates.constant import AlwaysExpert
+        from sheath_manip.learning.checkpoint import load_checkpoint
 
         with opened(task, self.variant) as environment:
             policy, gate, adjusting = None, AlwaysExpert(), None

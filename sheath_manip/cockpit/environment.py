@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.cockpit.cockpit import Cockpit, Ending
-from sheath_manip.discarding import DiscardedError
 from sheath_manip.protocols import Environment
+from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.types import (
     Action,
     Observation,

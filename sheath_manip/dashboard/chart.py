@@ -6,10 +6,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.support.plane import BANDWIDTH_FACTOR
 from sheath_manip.types import Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 MOST_STATES = 4000
 """that axes are found from"""

@@ -10,7 +10,6 @@ import viser
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
-from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
@@ -20,10 +19,11 @@ from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share, Tally
-from sheath_manip.dataset.samples import Samples
+from sheath_manip.learning.results import RoundResult
+from sheath_manip.playback.film import Film
 from sheath_manip.protocols import Environment
-from sheath_manip.results import RoundResult
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
+from sheath_manip.types.samples import Samples
 
 DRAW_RATE_HZ = 20.0
 SWITCH_INTERVAL_S = 0.0005

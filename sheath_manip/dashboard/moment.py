@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from sheath_manip.dashboard.tally import Share
-from sheath_manip.dashboard.trace import Trace
-from sheath_manip.dataset.samples import Samples
-from sheath_manip.results import RoundResult
+from sheath_manip.learning.results import RoundResult
+from sheath_manip.playback.trace import Trace
 from sheath_manip.types import EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
+from sheath_manip.types.samples import Samples
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from sheath_manip.dashboard.film import Film
 from sheath_manip.exceptions import SheathError
+from sheath_manip.playback.film import Film
 
 SLOWEST, FASTEST = 0.1, 8.0
 """times the episode's own pace"""

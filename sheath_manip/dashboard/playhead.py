@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-from sheath_manip.dashboard.film import Film
+from sheath_manip.playback.film import Film
 
 
 class Playhead:

@@ -8,7 +8,6 @@ import viser
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
-from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.layout import recorded
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.part import Desk
@@ -18,6 +17,7 @@ from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.playback.film import Film
 from sheath_manip.types import TaskSpec
 
 DRAW_RATE_HZ = 20.0

@@ -7,9 +7,9 @@ from contextlib import suppress
 
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
-from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Episode, Outcome
+from sheath_manip.types.samples import Samples, samples_from
 
 MOST_STATES_OF = 40
 """episodes that the picture of the support is drawn from"""

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
-from sheath_manip.dashboard.film import Film
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.tally import Share
-from sheath_manip.dataset.samples import Samples
-from sheath_manip.results import RoundResult
+from sheath_manip.learning.results import RoundResult
+from sheath_manip.playback.film import Film
 from sheath_manip.types import Outcome
+from sheath_manip.types.samples import Samples
 
 
 def moment_of(

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard import palette
+from sheath_manip.playback import palette
 from sheath_manip.support.plane import PlaneLevels
 from sheath_manip.types import Actor, SceneGeom, ScenePose
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from sheath_manip.dashboard.trace import Trace
+from sheath_manip.playback.trace import Trace
 from sheath_manip.types import EpisodeInfo, Outcome
 
 

@@ -22,8 +22,8 @@ from sheath_manip.dataset.marks import marks_text
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types.samples import Samples
 
 SCHEMA = 1
 """Raise it whenever the files of an older one would be misread."""

@@ -1,9 +1,9 @@
 """A listener that puts each finished episode into a store."""
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
+from sheath_manip.types.samples import Samples
 
 
 class Recorder:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, mean_interval
-from sheath_manip.results import RoundResult
 
 COMPARED_TO = "dagger"
 

@@ -8,24 +8,24 @@ from typing import Any
 
 from rich.console import Console
 
-from sheath_manip.aggregate import LearningRun
-from sheath_manip.checkpoint import load_checkpoint
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.evaluation import Report
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.figures import FIGURES, View, write_figures
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.references import Reference, reference_jobs, references
-from sheath_manip.experiments.resuming import require_same_plan
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
-from sheath_manip.experiments.workers import run_jobs
-from sheath_manip.methods import method_named
+from sheath_manip.json_files import write_json
+from sheath_manip.learning.checkpoint import load_checkpoint
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.methods import method_named
+from sheath_manip.learning.results import EXPERT, round_path, round_results
+from sheath_manip.learning.resuming import require_same_plan
+from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
-from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Listener
-from sheath_manip.results import EXPERT, round_path, round_results, write_json
+from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.executors import run_jobs
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Purpose
 

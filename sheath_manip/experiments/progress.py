@@ -9,8 +9,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from sheath_manip.evaluation import Report
-from sheath_manip.results import write_json
+from sheath_manip.json_files import write_json
+from sheath_manip.protocols import Report
 
 
 class Stopwatch:

@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from sheath_manip.evaluation import Report, evaluate_expert
+from sheath_manip.json_files import plain, write_json
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.evaluation import evaluate_expert
 from sheath_manip.metrics import figures_of
-from sheath_manip.plan import LearningPlan
-from sheath_manip.protocols import Listener
-from sheath_manip.results import plain, write_json
+from sheath_manip.protocols import Listener, Report
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Purpose

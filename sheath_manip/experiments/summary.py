@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from sheath_manip.experiments.areas import areas
+from sheath_manip.json_files import plain
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, mean_interval
-from sheath_manip.plan import LearningPlan
-from sheath_manip.results import RoundResult, plain
 
 ROOT = Path(__file__).resolve().parents[2]
 MANY_RUNS = 10

@@ -12,7 +12,6 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import shifted
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
@@ -20,6 +19,7 @@ from sheath_manip.policies.network import ConvNetwork
 from sheath_manip.policies.reconstruction import reconstruction_loss
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 # Large enough to fill the matrix units, small enough that the first layer's output stays in cache.
 INFERENCE_BATCH = 128

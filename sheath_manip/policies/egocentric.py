@@ -6,12 +6,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.policies.tool_view import ToolView
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 SETTINGS: Mapping[str, Any] = {"shift_px": 1, "feature_noise": 0.1}
 """of the `SpatialPolicy`, where none are given: the tool stands still in its own view, and what is

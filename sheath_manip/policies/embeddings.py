@@ -7,12 +7,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.policies.cnn import INFERENCE_BATCH
 from sheath_manip.policies.displacement import displaced
 from sheath_manip.policies.scaling import Scaling, Standardisation
 from sheath_manip.protocols import Arrays, Policy
 from sheath_manip.seeding import generator
+from sheath_manip.types.samples import Samples
 
 Images = Mapping[str, NDArray[np.uint8]]
 

@@ -6,9 +6,9 @@ from typing import Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.protocols import Arrays, Policy
+from sheath_manip.types.samples import Samples
 
 
 @final

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from skimage.feature import hog
 from sklearn.svm import LinearSVC
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 CELLS_PER_BLOCK = 2
 ORIENTATIONS = 9

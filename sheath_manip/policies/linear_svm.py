@@ -11,12 +11,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 PENALTIES = (0.01, 0.03, 0.1, 0.3, 1.0)
 """C's that cross-validation chooses from"""

@@ -6,11 +6,11 @@ from typing import Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.parts import part, prefixed
+from sheath_manip.nested_arrays import part, prefixed
 from sheath_manip.policies.embeddings import Images
 from sheath_manip.protocols import Arrays, Embedding, Policy
+from sheath_manip.types.samples import Samples
 
 
 @final

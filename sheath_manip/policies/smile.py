@@ -14,12 +14,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.parts import part, prefixed
+from sheath_manip.nested_arrays import part, prefixed
 from sheath_manip.policies.choices import choices_of, nearest_choices
 from sheath_manip.protocols import Arrays, Policy
 from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 
 def expert_weight(alpha: float, members: int) -> float:

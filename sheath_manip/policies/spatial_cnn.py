@@ -8,7 +8,6 @@ import torch
 from numpy.typing import NDArray
 from torch.nn import functional
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import reflected, shifted
 from sheath_manip.policies.deviation import largest_deviations
@@ -16,6 +15,7 @@ from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 
 # As many as keep the first layer's output in cache.
 INFERENCE_BATCH = 128

@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import ActionSpec, TaskSpec
+from sheath_manip.types.samples import Samples
 
 
 class ToolView:

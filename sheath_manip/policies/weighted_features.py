@@ -6,9 +6,9 @@ from typing import Protocol, Self, final, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays, Policy
+from sheath_manip.types.samples import Samples
 
 
 @runtime_checkable

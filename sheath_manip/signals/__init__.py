@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies import make_embedding
 from sheath_manip.protocols import Embedding, Signal
 from sheath_manip.signals.joined import JoinedSignal

@@ -12,10 +12,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.parts import part, prefixed
+from sheath_manip.nested_arrays import part, prefixed
 from sheath_manip.protocols import Agreement, Arrays, Policy, Refits, Signal
+from sheath_manip.types.samples import Samples
 
 LEAST_SHARE = 1e-3
 """added to every p: a few thousand steps say no more of what is rarer"""

@@ -6,10 +6,10 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.parts import part, prefixed
+from sheath_manip.nested_arrays import part, prefixed
 from sheath_manip.protocols import Arrays, Embedding, Policy
+from sheath_manip.types.samples import Samples
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024

@@ -10,9 +10,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Agreement, Arrays, Policy, ScoresChoices
+from sheath_manip.types.samples import Samples
 
 
 class MarginSignal:

@@ -11,9 +11,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
+from sheath_manip.types.samples import Samples
 
 
 class PrecedentSignal:

@@ -13,10 +13,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
+from sheath_manip.types.samples import Samples
 
 RESOLUTION = 0.02
 """of the spread of the training states: closer ones are the same, so that of two copies with

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from typing import Any
 
 from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support.agreeing_states import AgreeingSupport
 from sheath_manip.support.disagreement import DisagreementSupport

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError, UnscoredError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 
 # One lap calibrates badly (.84-.99 of a new lap inside), three pooled ones well (.94-.96).
 LEAST_EPISODES = 3

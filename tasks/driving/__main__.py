@@ -2,7 +2,7 @@
 
 import sys
 
-from tasks.command import task_main
+from sheath_manip.tasks.command import task_main
 
 if __name__ == "__main__":
     sys.exit(task_main("driving"))

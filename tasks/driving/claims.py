@@ -3,7 +3,7 @@
 from functools import partial
 from itertools import accumulate
 
-from sheath_manip.claims import Claim, Summary, constant
+from sheath_manip.experiments.claims import Claim, Summary, constant
 
 
 def failure_rate(method: str, summary: Summary) -> float:

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from controllers.teleop.buttons import Button, ButtonHands
-from sheath_manip.plan import LearningPlan
+from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.claims import CLAIMS
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.probes import PROBES
+from sheath_manip.tasks.driving.task import STEERING_RAD, DrivingTask, Scenario
 from sheath_manip.types import Action
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.claims import CLAIMS
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.probes import PROBES
-from tasks.driving.task import STEERING_RAD, DrivingTask, Scenario
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -38,15 +38,15 @@ def hands(environment: ComposerEnvironment) -> ButtonHands:
 
 
 def support_figure(*arguments: Any) -> None:
-    """`tasks.driving.figures.support`, which imports matplotlib only when it is drawn."""
-    from tasks.driving.figures import support
+    """`figures.support`, which imports matplotlib only when it is drawn."""
+    from sheath_manip.tasks.driving.figures import support
 
     support(*arguments)
 
 
 def gate_map_figure(*arguments: Any) -> None:
-    """`tasks.driving.figures.gate_map`, likewise."""
-    from tasks.driving.figures import gate_map
+    """`figures.gate_map`, likewise."""
+    from sheath_manip.tasks.driving.figures import gate_map
 
     gate_map(*arguments)
 

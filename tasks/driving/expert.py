@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.sequence_search import SequenceSearch
+from sheath_manip.controllers.sequence_search import SequenceSearch
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.task import CONTROL_TIMESTEP_S, SPEED_M_S, DrivingTask
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.task import CONTROL_TIMESTEP_S, SPEED_M_S, DrivingTask
 
 # Two cars of 2.0 x 1.0 m touch when they are this far apart along and across, if parallel.
 _TOUCH_ALONG_M, _TOUCH_ACROSS_M = 2.0, 1.0

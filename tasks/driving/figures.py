@@ -11,15 +11,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import NothingToShowError
 from sheath_manip.experiments.figures.style import BLUE, GREY, INK, VERMILLION, drawing, heading
+from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.support.plane import NUS, plane_levels
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.task import DrivingTask
+from sheath_manip.tasks.driving.track import Track
 from sheath_manip.types import Observation, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.task import DrivingTask
-from tasks.driving.track import Track
 
 ALONG_STEPS, ACROSS_STEPS = 72, 11
 """of the gate's map: a pose every 1.9 m of the lap and every 1.2 m across: 2400 pictures"""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from sheath_manip.claims import Claim, Summary, constant
+from sheath_manip.experiments.claims import Claim, Summary, constant
 
 OFF_THE_ROAD = ("lateral 5 m", "lateral 7 m", "heading 45°", "heading 90°")
 """where nobody can be in doubt"""

@@ -9,12 +9,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.probes import Displacement, Probes
+from sheath_manip.experiments.probes import Displacement, Probes
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.gate_claims import CLAIMS
+from sheath_manip.tasks.driving.task import TRAFFIC_SPEED_M_S, DrivingTask
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.gate_claims import CLAIMS
-from tasks.driving.task import TRAFFIC_SPEED_M_S, DrivingTask
 
 FRONT_GAP_M = 2.1
 """between the centres of two cars of 2.0 m, one behind the other: all but a crash"""

@@ -3,7 +3,6 @@
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -12,12 +11,13 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
+from sheath_manip.tasks.assets import assets_of
+from sheath_manip.tasks.composer_environment import SheathTask
+from sheath_manip.tasks.driving.track import Track
+from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.types import ActionSpec, FirstView, Outcome, TaskSpec
-from tasks.composer_environment import SheathTask
-from tasks.driving.track import Track
-from tasks.rendering import PyramidCamera
 
-ASSETS = Path(__file__).resolve().parents[2] / "assets" / "driving"
+ASSETS = assets_of("driving")
 
 CONTROL_TIMESTEP_S = 0.1
 SPEED_M_S = 10.0

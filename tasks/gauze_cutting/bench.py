@@ -1,6 +1,5 @@
 """The bench: table, clips, and the sheet with its print, as MJCF."""
 
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -8,8 +7,9 @@ import numpy as np
 from dm_control import composer, mjcf
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.flexcomp import add_sheet
-from tasks.gauze_cutting.geometry import (
+from sheath_manip.tasks.assets import assets_of
+from sheath_manip.tasks.gauze_cutting.cutting.flexcomp import add_sheet
+from sheath_manip.tasks.gauze_cutting.geometry import (
     CENTRE_M,
     CLIP_M,
     CLIP_OF_VERTEX,
@@ -22,7 +22,7 @@ from tasks.gauze_cutting.geometry import (
     SPARE_TRIANGLES,
 )
 
-ASSETS = Path(__file__).resolve().parents[2] / "assets" / "gauze_cutting"
+ASSETS = assets_of("gauze_cutting")
 SHEET = "gauze"
 CLIPS = tuple(f"clip_{number}" for number in range(4))
 _PRINT_PX = 512

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from sheath_manip.claims import Claim, Summary, constant
+from sheath_manip.experiments.claims import Claim, Summary, constant
 
 
 def ruined(method: str, summary: Summary) -> float:

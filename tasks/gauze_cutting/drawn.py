@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.tasks.gauze_cutting.cutting.locating import Lie
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.geometry import RADIUS_M
 from sheath_manip.types import Line, Surface
-from tasks.gauze_cutting.cutting.locating import Lie
-from tasks.gauze_cutting.cutting.sheet import Sheet
-from tasks.gauze_cutting.geometry import RADIUS_M
 
 SHEET_RGB = (0.92, 0.90, 0.84)
 TARGET_RGB = (0.08, 0.24, 0.6)

@@ -6,18 +6,18 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.hold import Hold
-from controllers.teleop.planar import PlanarHands
-from sheath_manip.plan import LearningPlan
+from sheath_manip.controllers.hold import Hold
+from sheath_manip.controllers.teleop.planar import PlanarHands
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.claims import CLAIMS
-from tasks.gauze_cutting.expert import GauzeExpert, task_of
-from tasks.gauze_cutting.open_loops import blind, registered
-from tasks.gauze_cutting.probes import PROBES
-from tasks.gauze_cutting.scene import CALM
-from tasks.gauze_cutting.steering import HEADING_CHANGE, TOP_SPEED_M_S
-from tasks.gauze_cutting.task import GauzeTask, Scenario
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.claims import CLAIMS
+from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert, task_of
+from sheath_manip.tasks.gauze_cutting.open_loops import blind, registered
+from sheath_manip.tasks.gauze_cutting.probes import PROBES
+from sheath_manip.tasks.gauze_cutting.scene import CALM
+from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, TOP_SPEED_M_S
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask, Scenario
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -41,8 +41,8 @@ def hands(environment: ComposerEnvironment) -> PlanarHands:
 
 
 def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
-    """`tasks.gauze_cutting.figures.film_frame`, which is imported only when a film is made."""
-    from tasks.gauze_cutting.figures import film_frame
+    """`figures.film_frame`, which is imported only when a film is made."""
+    from sheath_manip.tasks.gauze_cutting.figures import film_frame
 
     return film_frame(environment)
 

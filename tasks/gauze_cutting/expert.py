@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.guide import along_circle
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.guide import along_circle
-from tasks.gauze_cutting.task import GauzeTask
 
 
 def task_of(environment: ComposerEnvironment) -> GauzeTask:

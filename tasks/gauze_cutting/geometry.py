@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tasks.gauze_cutting.cutting.elasticity import Membrane
-from tasks.gauze_cutting.cutting.hex_mesh import hex_square
+from sheath_manip.tasks.gauze_cutting.cutting.elasticity import Membrane
+from sheath_manip.tasks.gauze_cutting.cutting.hex_mesh import hex_square
 
 SIDE_M = 0.10
 RADIUS_M = 0.025

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.locating import Lie
-from tasks.gauze_cutting.geometry import RADIUS_M
+from sheath_manip.tasks.gauze_cutting.cutting.locating import Lie
+from sheath_manip.tasks.gauze_cutting.geometry import RADIUS_M
 
 SPEED_M_S = 0.02
 """along the line"""

@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.crack import Crack
-from tasks.gauze_cutting.cutting.journal import Cut, make, make_again, rows_of
-from tasks.gauze_cutting.cutting.locating import Lie, Place
-from tasks.gauze_cutting.cutting.sheet import SparesExhausted
-from tasks.gauze_cutting.workpiece import Workpiece
+from sheath_manip.tasks.gauze_cutting.cutting.crack import Crack
+from sheath_manip.tasks.gauze_cutting.cutting.journal import Cut, make, make_again, rows_of
+from sheath_manip.tasks.gauze_cutting.cutting.locating import Lie, Place
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import SparesExhausted
+from sheath_manip.tasks.gauze_cutting.workpiece import Workpiece
 
 LOOK_M = 0.012
 """in material coordinates, around where the blade was: how far it is looked for"""

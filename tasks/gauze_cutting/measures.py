@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.pieces import area_in_circle_m2, area_m2
-from tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.cutting.pieces import area_in_circle_m2, area_m2
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
 
 SECTORS = 72
 SECTOR_TOLERANCE_M = 0.001

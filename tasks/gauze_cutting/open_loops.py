@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.cutting.locating import Lie
+from sheath_manip.tasks.gauze_cutting.expert import task_of
+from sheath_manip.tasks.gauze_cutting.geometry import CENTRE_M, MESH
+from sheath_manip.tasks.gauze_cutting.guide import along_circle
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.cutting.locating import Lie
-from tasks.gauze_cutting.expert import task_of
-from tasks.gauze_cutting.geometry import CENTRE_M, MESH
-from tasks.gauze_cutting.guide import along_circle
-from tasks.gauze_cutting.task import GauzeTask
 
 _EVERYWHERE_M = 1.0
 

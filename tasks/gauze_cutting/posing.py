@@ -4,7 +4,7 @@ import mink
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.twist_control import TwistControl
+from sheath_manip.controllers.twist_control import TwistControl
 
 _GAIN_HZ = 4.0
 _MOST_STEPS = 12

@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.probes import Displacement, Probes
+from sheath_manip.experiments.probes import Displacement, Probes
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert, task_of
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.expert import GauzeExpert, task_of
 
 HORIZON_S = 0.2
 """for which an action is held to see where it leads"""

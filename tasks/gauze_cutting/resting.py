@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
-from tasks.gauze_cutting.cutting.elasticity import stretch_stiffness
-from tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, MEMBRANE, MESH
+from sheath_manip.tasks.gauze_cutting.cutting.elasticity import stretch_stiffness
+from sheath_manip.tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, MEMBRANE, MESH
 
 
 @cache

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.geometry import CENTRE_M, CORNERS_M
+from sheath_manip.tasks.gauze_cutting.geometry import CENTRE_M, CORNERS_M
 
 
 @dataclass(frozen=True)

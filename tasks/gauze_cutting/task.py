@@ -10,23 +10,23 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
+from sheath_manip.tasks.composer_environment import SheathTask
+from sheath_manip.tasks.gauze_cutting.bench import BenchArena
+from sheath_manip.tasks.gauze_cutting.drawn import lines_of, surface_of
+from sheath_manip.tasks.gauze_cutting.geometry import CENTRE_M, RADIUS_M
+from sheath_manip.tasks.gauze_cutting.knife import Knife
+from sheath_manip.tasks.gauze_cutting.measures import overlap, path_measures
+from sheath_manip.tasks.gauze_cutting.posing import joints_for, planar_twist
+from sheath_manip.tasks.gauze_cutting.scene import DEFAULT, Difficulty, Scene, draw_scene
+from sheath_manip.tasks.gauze_cutting.steering import PLANAR_VELOCITY, Steering
+from sheath_manip.tasks.gauze_cutting.workpiece import Workpiece
+from sheath_manip.tasks.projection import px_of_horizontal_plane
+from sheath_manip.tasks.rendering import PyramidCamera
+from sheath_manip.tasks.robots.drive import TWIST_SCALE, RobotDrive
+from sheath_manip.tasks.robots.filtering import command_filter
+from sheath_manip.tasks.robots.own_arm import ARM_WITH_BLADE
+from sheath_manip.tasks.robots.robot import Robot, twist_control
 from sheath_manip.types import Commanded, FirstView, Line, Outcome, Surface, TaskSpec, ToolFrame
-from tasks.composer_environment import SheathTask
-from tasks.gauze_cutting.bench import BenchArena
-from tasks.gauze_cutting.drawn import lines_of, surface_of
-from tasks.gauze_cutting.geometry import CENTRE_M, RADIUS_M
-from tasks.gauze_cutting.knife import Knife
-from tasks.gauze_cutting.measures import overlap, path_measures
-from tasks.gauze_cutting.posing import joints_for, planar_twist
-from tasks.gauze_cutting.scene import DEFAULT, Difficulty, Scene, draw_scene
-from tasks.gauze_cutting.steering import PLANAR_VELOCITY, Steering
-from tasks.gauze_cutting.workpiece import Workpiece
-from tasks.projection import px_of_horizontal_plane
-from tasks.rendering import PyramidCamera
-from tasks.robots.drive import TWIST_SCALE, RobotDrive
-from tasks.robots.filtering import command_filter
-from tasks.robots.own_arm import ARM_WITH_BLADE
-from tasks.robots.robot import Robot, twist_control
 
 CONTROL_TIMESTEP_S = 0.05
 PHYSICS_TIMESTEP_S = 0.01

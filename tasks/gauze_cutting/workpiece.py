@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.bench import CLIPS, SHEET
-from tasks.gauze_cutting.cutting.locating import Lie, lie_of
-from tasks.gauze_cutting.cutting.pieces import free_pieces
-from tasks.gauze_cutting.cutting.sheet import Sheet
-from tasks.gauze_cutting.geometry import (
+from sheath_manip.tasks.gauze_cutting.bench import CLIPS, SHEET
+from sheath_manip.tasks.gauze_cutting.cutting.locating import Lie, lie_of
+from sheath_manip.tasks.gauze_cutting.cutting.pieces import free_pieces
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.geometry import (
     CENTRE_M,
     CLIP_OF_VERTEX,
     CORNERS_M,
@@ -19,8 +19,8 @@ from tasks.gauze_cutting.geometry import (
     SIDE_M,
     SPARE_TRIANGLES,
 )
-from tasks.gauze_cutting.resting import clip_response
-from tasks.gauze_cutting.scene import Scene
+from sheath_manip.tasks.gauze_cutting.resting import clip_response
+from sheath_manip.tasks.gauze_cutting.scene import Scene
 
 SUPPORT_N_M = 0.3
 """of the bed below each vertex, upwards and downwards: bristles that the sheet sticks to. Without

@@ -6,20 +6,20 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.back_up import BackUp
-from controllers.hold import Hold
-from controllers.teleop.arm import ArmHands
-from sheath_manip.plan import LearningPlan
+from sheath_manip.controllers.back_up import BackUp
+from sheath_manip.controllers.hold import Hold
+from sheath_manip.controllers.teleop.arm import ArmHands
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.claims import CLAIMS, RECIPE
-from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.probes import PROBES
-from tasks.grasp_clutter.scene import EASY, MEDIUM
-from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
-from tasks.robots import stand_ins
-from tasks.robots.drive import RobotDrive
-from tasks.robots.jaco import JACO_WITH_JAW
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.claims import CLAIMS, RECIPE
+from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
+from sheath_manip.tasks.grasp_clutter.probes import PROBES
+from sheath_manip.tasks.grasp_clutter.scene import EASY, MEDIUM
+from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
+from sheath_manip.tasks.robots import stand_ins
+from sheath_manip.tasks.robots.drive import RobotDrive
+from sheath_manip.tasks.robots.jaco import JACO_WITH_JAW
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -50,8 +50,8 @@ def hands(environment: ComposerEnvironment) -> ArmHands:
 
 
 def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
-    """`tasks.grasp_clutter.figures.film_frame`, which is imported only when a film is made."""
-    from tasks.grasp_clutter.figures import film_frame
+    """`figures.film_frame`, which is imported only when a film is made."""
+    from sheath_manip.tasks.grasp_clutter.figures import film_frame
 
     return film_frame(environment)
 

@@ -1,10 +1,10 @@
 """The scripted expert: the grasp law on what the physics shows."""
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.grasp_state import Intent
+from sheath_manip.tasks.grasp_clutter.guide import GraspGuide
+from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.grasp_state import Intent
-from tasks.grasp_clutter.guide import GraspGuide
-from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask
 
 
 class GraspExpert:

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.task import GraspTask
-from tasks.rendering import PyramidCamera
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.task import GraspTask
+from sheath_manip.tasks.rendering import PyramidCamera
 
 SIZE_PX = 288
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.closing_control import ClosingControl
-from tasks.grasp_clutter.grasp_state import GraspCommand, GraspState, Intent
-from tasks.grasp_clutter.room import JawRoom
+from sheath_manip.controllers.closing_control import ClosingControl
+from sheath_manip.tasks.grasp_clutter.grasp_state import GraspCommand, GraspState, Intent
+from sheath_manip.tasks.grasp_clutter.room import JawRoom
 
 TRANSIT_HEIGHT_M = 0.30
 """of the pinch: the finger tips pass 2.5 cm over the tallest clutter"""

@@ -6,17 +6,17 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.closing_control import ClosingControl
-from controllers.guarded_twist import Guard, GuardedTwist
+from sheath_manip.controllers.closing_control import ClosingControl
+from sheath_manip.controllers.guarded_twist import Guard, GuardedTwist
+from sheath_manip.tasks.grasp_clutter.grasp_state import GraspCommand, GraspState
+from sheath_manip.tasks.grasp_clutter.grasping import GraspLaw
+from sheath_manip.tasks.grasp_clutter.outlines import Outlines
+from sheath_manip.tasks.grasp_clutter.pool import SLOTS, Pool, add_pool, geom_names
+from sheath_manip.tasks.grasp_clutter.room import JawRoom
+from sheath_manip.tasks.grasp_clutter.scene import Scene
+from sheath_manip.tasks.robots.drive import TWIST_SCALE
+from sheath_manip.tasks.robots.robot import RobotDescription, kinematic_root, twist_control
 from sheath_manip.types import Action
-from tasks.grasp_clutter.grasp_state import GraspCommand, GraspState
-from tasks.grasp_clutter.grasping import GraspLaw
-from tasks.grasp_clutter.outlines import Outlines
-from tasks.grasp_clutter.pool import SLOTS, Pool, add_pool, geom_names
-from tasks.grasp_clutter.room import JawRoom
-from tasks.grasp_clutter.scene import Scene
-from tasks.robots.drive import TWIST_SCALE
-from tasks.robots.robot import RobotDescription, kinematic_root, twist_control
 
 _AWAY_M = np.array([0.0, 0.0, -5.0])
 """where an obstacle is put that is none now"""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.grasp_clutter.objects import Cuboid, StandingObject
+from sheath_manip.tasks.grasp_clutter.objects import Cuboid, StandingObject
 
 _POINTS = 16
 """around a foot or a top"""

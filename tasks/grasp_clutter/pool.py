@@ -8,8 +8,8 @@ from dm_control import mjcf
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from tasks.grasp_clutter.objects import Kind, StandingObject
-from tasks.grasp_clutter.scene import POOL, Scene
+from sheath_manip.tasks.grasp_clutter.objects import Kind, StandingObject
+from sheath_manip.tasks.grasp_clutter.scene import POOL, Scene
 
 _TARGET = "target"
 SLOTS = ((_TARGET, Kind.CAN), *((f"{k}_{i}", k) for k, many in POOL.items() for i in range(many)))

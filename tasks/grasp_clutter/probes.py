@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.twist_control import twist_between
-from sheath_manip.probes import Displacement, Probes
+from sheath_manip.controllers.twist_control import twist_between
+from sheath_manip.experiments.probes import Displacement, Probes
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
+from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask
+from sheath_manip.tasks.robots.drive import RobotDrive
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask
-from tasks.robots.drive import RobotDrive
 
 HORIZON_STEPS = 10
 """for which an action is held to see what becomes of it: half a second"""

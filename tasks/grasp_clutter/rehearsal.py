@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.grasp_clutter.guide import GraspGuide, Situation, rotations_of
-from tasks.grasp_clutter.scene import Scene
+from sheath_manip.tasks.grasp_clutter.guide import GraspGuide, Situation, rotations_of
+from sheath_manip.tasks.grasp_clutter.scene import Scene
 
 _MOST_STEPS = 160
 _SQUEEZED_M = 0.02

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.footprint import clearances
-from tasks.grasp_clutter.grasp_state import GraspState
-from tasks.robots.robot import Footprint
+from sheath_manip.controllers.footprint import clearances
+from sheath_manip.tasks.grasp_clutter.grasp_state import GraspState
+from sheath_manip.tasks.robots.robot import Footprint
 
 _NEAR_M = 0.15
 """beyond which nothing is in a jaw's way"""

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.grasp_clutter.objects import Kind, StandingObject
+from sheath_manip.tasks.grasp_clutter.objects import Kind, StandingObject
 
 POOL = {Kind.CAN: 3, Kind.BOTTLE: 3, Kind.BOX: 3}
 """how many of a kind a scene may hold beside the target"""

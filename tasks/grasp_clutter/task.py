@@ -4,7 +4,6 @@ import math
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -13,20 +12,28 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
+from sheath_manip.tasks.assets import assets_of
+from sheath_manip.tasks.composer_environment import SheathTask
+from sheath_manip.tasks.grasp_clutter.guide import WIDE_M, GraspGuide, Situation
+from sheath_manip.tasks.grasp_clutter.pool import Pool, add_pool
+from sheath_manip.tasks.grasp_clutter.rehearsal import solvable
+from sheath_manip.tasks.grasp_clutter.scene import (
+    HARD,
+    TABLE_X_M,
+    TABLE_Y_M,
+    Difficulty,
+    Scene,
+    draw_scene,
+)
+from sheath_manip.tasks.grasp_clutter.tally import Tally
+from sheath_manip.tasks.rendering import PyramidCamera
+from sheath_manip.tasks.robots.drive import ACTION, RobotDrive
+from sheath_manip.tasks.robots.filtering import command_filter
+from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
+from sheath_manip.tasks.robots.robot import Robot, RobotDescription
 from sheath_manip.types import Commanded, FirstView, Mirror, Outcome, TaskSpec
-from tasks.composer_environment import SheathTask
-from tasks.grasp_clutter.guide import WIDE_M, GraspGuide, Situation
-from tasks.grasp_clutter.pool import Pool, add_pool
-from tasks.grasp_clutter.rehearsal import solvable
-from tasks.grasp_clutter.scene import HARD, TABLE_X_M, TABLE_Y_M, Difficulty, Scene, draw_scene
-from tasks.grasp_clutter.tally import Tally
-from tasks.rendering import PyramidCamera
-from tasks.robots.drive import ACTION, RobotDrive
-from tasks.robots.filtering import command_filter
-from tasks.robots.own_arm import ARM_WITH_JAW
-from tasks.robots.robot import Robot, RobotDescription
 
-ASSETS = Path(__file__).resolve().parents[2] / "assets" / "grasp_clutter"
+ASSETS = assets_of("grasp_clutter")
 
 CONTROL_TIMESTEP_S = 0.05
 PHYSICS_TIMESTEP_S = 0.0025

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from sheath_manip.claims import Claim, Summary, constant
+from sheath_manip.experiments.claims import Claim, Summary, constant
 
 CONVERGED_ROUNDS = 3
 """the last so many: where a policy is by then, less what one round more or less does to it"""

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.hold import Hold
-from controllers.teleop.buttons import Button, ButtonHands
-from sheath_manip.plan import LearningPlan
+from sheath_manip.controllers.hold import Hold
+from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.seeding import seed_for
 from sheath_manip.task import TaskEntry
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.claims import CLAIMS
+from sheath_manip.tasks.platformer.expert import PlatformerExpert
+from sheath_manip.tasks.platformer.game import Buttons
+from sheath_manip.tasks.platformer.task import PlatformerTask, Scenario
 from sheath_manip.types import Action
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.claims import CLAIMS
-from tasks.platformer.expert import PlatformerExpert
-from tasks.platformer.game import Buttons
-from tasks.platformer.task import PlatformerTask, Scenario
 
 IMAGE_PX = 84
 DRAWN = 2**31
@@ -77,22 +77,22 @@ def hold(environment: ComposerEnvironment) -> Hold:
 
 
 def scene_figure(*arguments: Any) -> None:
-    """`tasks.platformer.figures.scene`, which imports matplotlib only when it is drawn."""
-    from tasks.platformer.figures import scene
+    """`figures.scene`, which imports matplotlib only when it is drawn."""
+    from sheath_manip.tasks.platformer.figures import scene
 
     scene(*arguments)
 
 
 def before_a_gap(*arguments: Any) -> None:
-    """`tasks.platformer.figures.before_a_gap`, likewise."""
-    from tasks.platformer.figures import before_a_gap
+    """`figures.before_a_gap`, likewise."""
+    from sheath_manip.tasks.platformer.figures import before_a_gap
 
     before_a_gap(*arguments)
 
 
 def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
-    """`tasks.platformer.figures.film_frame`, likewise."""
-    from tasks.platformer.figures import film_frame
+    """`figures.film_frame`, likewise."""
+    from sheath_manip.tasks.platformer.figures import film_frame
 
     return film_frame(environment)
 

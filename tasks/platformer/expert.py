@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.game import Buttons, Moment
+from sheath_manip.tasks.platformer.planner import ACTIONS, Planner
+from sheath_manip.tasks.platformer.stage import Stage
+from sheath_manip.tasks.platformer.task import PlatformerTask
 from sheath_manip.types import Action, Observation
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.game import Buttons, Moment
-from tasks.platformer.planner import ACTIONS, Planner
-from tasks.platformer.stage import Stage
-from tasks.platformer.task import PlatformerTask
 
 FOLLOWED_STEPS = 8
 """of a plan, before another one looks farther ahead"""

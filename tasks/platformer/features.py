@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.platformer.game import RADIUS_M, Buttons, Moment
-from tasks.platformer.stage import LEAD_TILES, Stage
+from sheath_manip.tasks.platformer.game import RADIUS_M, Buttons, Moment
+from sheath_manip.tasks.platformer.stage import LEAD_TILES, Stage
 
 COLUMNS = range(-3, 10)
 """tiles of the grid, from the player's own: behind and ahead"""

@@ -10,7 +10,6 @@ from dm_control.mujoco import engine
 from numpy.typing import NDArray
 from PIL import Image
 
-from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.film import film
@@ -21,10 +20,11 @@ from sheath_manip.experiments.figures.intervention import (
 )
 from sheath_manip.experiments.figures.replayed import replayed
 from sheath_manip.experiments.figures.style import WIDTH_PX, limited
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.stage import LEAD_TILES, LENGTH_TILES
+from sheath_manip.tasks.platformer.task import PlatformerTask
 from sheath_manip.types import Episode, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES
-from tasks.platformer.task import PlatformerTask
 
 VIEW_HEIGHT_M = 14.0
 """of the overview camera in the world's file"""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import mujoco
 
-from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, Stage
+from sheath_manip.tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, Stage
 
 CONTROL_RATE_HZ = 24.0
 TICKS = 4

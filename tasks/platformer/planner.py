@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from dm_control import mjcf
 
-from controllers.astar import AStar, Plan
-from tasks.platformer.game import (
+from sheath_manip.controllers.astar import AStar, Plan
+from sheath_manip.tasks.platformer.game import (
     ACCELERATION_M_S2,
     CONTROL_RATE_HZ,
     GRAVITY_M_S2,
@@ -18,8 +18,8 @@ from tasks.platformer.game import (
     Game,
     Moment,
 )
-from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, Stage
-from tasks.platformer.world import BlockPool, build_world
+from sheath_manip.tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, Stage
+from sheath_manip.tasks.platformer.world import BlockPool, build_world
 
 _RIGHT, _LEFT = Buttons(False, True, False, False), Buttons(True, False, False, False)
 _REST = Buttons(False, False, False, False)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from tasks.platformer.enemies import MOST_ENEMIES, Enemy
+from sheath_manip.tasks.platformer.enemies import MOST_ENEMIES, Enemy
 
 LENGTH_TILES = 220
 """from where the player starts (x = 0) to the flag"""

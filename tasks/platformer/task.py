@@ -12,11 +12,10 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.types import ActionSpec, FirstView, Outcome, TaskSpec
-from tasks.composer_environment import SheathTask
-from tasks.platformer.enemies import MOST_ENEMIES
-from tasks.platformer.features import REMEMBERED, Glimpse, Sight, feature_names
-from tasks.platformer.game import (
+from sheath_manip.tasks.composer_environment import SheathTask
+from sheath_manip.tasks.platformer.enemies import MOST_ENEMIES
+from sheath_manip.tasks.platformer.features import REMEMBERED, Glimpse, Sight, feature_names
+from sheath_manip.tasks.platformer.game import (
     CONTROL_RATE_HZ,
     TICKS,
     Buttons,
@@ -25,9 +24,10 @@ from tasks.platformer.game import (
     Moment,
     start_moment,
 )
-from tasks.platformer.stage import LENGTH_TILES, Stage, draw_stage
-from tasks.platformer.world import MOST_BLOCKS, PARKED_M, BlockPool, build_world
-from tasks.rendering import PyramidCamera
+from sheath_manip.tasks.platformer.stage import LENGTH_TILES, Stage, draw_stage
+from sheath_manip.tasks.platformer.world import MOST_BLOCKS, PARKED_M, BlockPool, build_world
+from sheath_manip.tasks.rendering import PyramidCamera
+from sheath_manip.types import ActionSpec, FirstView, Outcome, TaskSpec
 
 TIME_LIMIT_S = 35.0
 START_TILES = 2.0

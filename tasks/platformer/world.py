@@ -1,6 +1,5 @@
 """The MuJoCo model: a player, and pools of blocks and enemies that a new stage moves about."""
 
-from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -8,9 +7,10 @@ import numpy as np
 from dm_control import mjcf
 
 from sheath_manip.exceptions import ParameterError
-from tasks.platformer.stage import LENGTH_TILES, Block
+from sheath_manip.tasks.assets import assets_of
+from sheath_manip.tasks.platformer.stage import LENGTH_TILES, Block
 
-ASSETS = Path(__file__).resolve().parents[2] / "assets" / "platformer"
+ASSETS = assets_of("platformer")
 
 MOST_BLOCKS = 90
 _HALF_DEPTH_M = 0.5

@@ -5,11 +5,11 @@ import numpy as np
 from dm_control import mjcf
 from numpy.typing import NDArray
 
-from controllers.closing_control import ClosingControl
-from controllers.command_filter import CommandFilter
-from controllers.twist_control import twist_between
+from sheath_manip.controllers.closing_control import ClosingControl
+from sheath_manip.controllers.command_filter import CommandFilter
+from sheath_manip.controllers.twist_control import twist_between
+from sheath_manip.tasks.robots.robot import Robot, twist_control
 from sheath_manip.types import Action, ActionSpec, Commanded, Limited
-from tasks.robots.robot import Robot, twist_control
 
 TOP_SPEED_M_S = 0.25
 TOP_TURN_RAD_S = 1.5

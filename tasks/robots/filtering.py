@@ -6,11 +6,11 @@ import numpy as np
 from dm_control import mjcf
 from numpy.typing import NDArray
 
-from controllers.command_filter import CommandFilter
-from controllers.joint_limits import JointLimits
-from controllers.speed_cap import Distance, SpeedCap, above
-from controllers.workspace import Workspace
-from tasks.robots.robot import RobotDescription, kinematic_root
+from sheath_manip.controllers.command_filter import CommandFilter
+from sheath_manip.controllers.joint_limits import JointLimits
+from sheath_manip.controllers.speed_cap import Distance, SpeedCap, above
+from sheath_manip.controllers.workspace import Workspace
+from sheath_manip.tasks.robots.robot import RobotDescription, kinematic_root
 
 TABLE_HEIGHT_M = 0.0
 TOOL_LOWER_M = np.array([0.05, -0.6, 0.01])

@@ -6,8 +6,8 @@ import numpy as np
 from dm_control import mjcf
 from dm_control.entities.manipulators import kinova
 
-from tasks.robots.own_arm import JAW, JAW_FINGERS
-from tasks.robots.robot import ASSETS, RobotDescription
+from sheath_manip.tasks.robots.own_arm import JAW, JAW_FINGERS
+from sheath_manip.tasks.robots.robot import ASSETS, RobotDescription
 
 # dm_control's jaco_arm.py: 36 and 48 degrees a second.
 _LARGE_RAD_S, _SMALL_RAD_S = float(np.deg2rad(36)), float(np.deg2rad(48))

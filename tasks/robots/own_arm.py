@@ -5,7 +5,7 @@ from typing import Any
 
 from dm_control import mjcf
 
-from tasks.robots.robot import ASSETS, Footprint, RobotDescription
+from sheath_manip.tasks.robots.robot import ASSETS, Footprint, RobotDescription
 
 _TOOL_MOUNT = "tool_mount"
 

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from dm_control import composer, mjcf
 from numpy.typing import NDArray
 
-from controllers.twist_control import TwistControl
+from sheath_manip.controllers.twist_control import TwistControl
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.tasks.assets import assets_of
 
-ASSETS = Path(__file__).resolve().parents[2] / "assets" / "arm"
+ASSETS = assets_of("arm")
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Who may drive a robot in the place of its scripted expert."""
 
-from controllers.back_up import BackUp
-from controllers.hold import Hold
-from controllers.teleop.arm import ArmHands
-from tasks.robots.drive import TWIST_SCALE, RobotDrive
+from sheath_manip.controllers.back_up import BackUp
+from sheath_manip.controllers.hold import Hold
+from sheath_manip.controllers.teleop.arm import ArmHands
+from sheath_manip.tasks.robots.drive import TWIST_SCALE, RobotDrive
 
 
 def hold(drive: RobotDrive) -> Hold:

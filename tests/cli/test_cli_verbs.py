@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sheath_manip.checkpoint import load_checkpoint
 from sheath_manip.cli import experiment as experiment_verb
-from sheath_manip.cli import pacing
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.gates.plan import PLANS
-from sheath_manip.fitting import with_nu
 from sheath_manip.gates.constant import AlwaysExpert
-from sheath_manip.rollout import rollout
+from sheath_manip.learning.checkpoint import load_checkpoint
+from sheath_manip.learning.fitting import with_nu
+from sheath_manip.learning.training_data import trained_on
+from sheath_manip.rollout import pacing
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.signals.joined import JoinedSignal
-from sheath_manip.trained_on import trained_on
 from sheath_manip.types import Actor, EpisodeInfo, Purpose
 from tests.toy import CORRIDOR, PLAN, Corridor, MiddleKeeper
 

@@ -9,17 +9,17 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
 from sheath_manip.cockpit.cockpit import Ending, Turn
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import SupportGate
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.entry import drive_of, hands, hold
+from sheath_manip.tasks.grasp_clutter.scene import EASY
+from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
 from sheath_manip.types import Action, EpisodeInfo, Observation, Purpose, Step
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.entry import drive_of, hands, hold
-from tasks.grasp_clutter.scene import EASY
-from tasks.grasp_clutter.task import GraspTask, Scenario
 from tests.waiting import DEADLINE_S, eventually
 
 INFO = EpisodeInfo("grasp-clutter", 5, Purpose.LEARNING, 20.0, method="sheath")

@@ -16,14 +16,14 @@ from sheath_manip.cockpit import (
 from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.cockpit.lease import LOST_AFTER_S
 from sheath_manip.dataset.recorder import Recorder
-from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.discarding import DiscardedError, until_kept
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, SupportGate
 from sheath_manip.protocols import Gate
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.discarding import DiscardedError, until_kept
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Observation, Outcome, Purpose, Reason
+from sheath_manip.types.samples import samples_from
 from tests import toy
 from tests.cockpit.test_cockpit import Clock
 from tests.toy import Corridor, MiddleKeeper, hands, hold

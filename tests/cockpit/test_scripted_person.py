@@ -10,24 +10,24 @@ from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, P
 from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.recorder import Recorder
-from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import SupportGate
 from sheath_manip.policies import make_policy
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.task import TaskEntry
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.entry import DRIVING
+from sheath_manip.tasks.driving.task import DrivingTask
+from sheath_manip.tasks.driving.task import Scenario as DrivingScenario
+from sheath_manip.tasks.gauze_cutting.entry import GAUZE_CUTTING
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
+from sheath_manip.tasks.gauze_cutting.task import Scenario as GauzeScenario
+from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
+from sheath_manip.tasks.grasp_clutter.scene import EASY
+from sheath_manip.tasks.grasp_clutter.task import GraspTask
+from sheath_manip.tasks.grasp_clutter.task import Scenario as GraspScenario
 from sheath_manip.types import Action, Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.entry import DRIVING
-from tasks.driving.task import DrivingTask
-from tasks.driving.task import Scenario as DrivingScenario
-from tasks.gauze_cutting.entry import GAUZE_CUTTING
-from tasks.gauze_cutting.task import GauzeTask
-from tasks.gauze_cutting.task import Scenario as GauzeScenario
-from tasks.grasp_clutter.entry import GRASP_CLUTTER
-from tasks.grasp_clutter.scene import EASY
-from tasks.grasp_clutter.task import GraspTask
-from tasks.grasp_clutter.task import Scenario as GraspScenario
+from sheath_manip.types.samples import samples_from
 from tools.scripted_person import (
     Absent,
     Held,

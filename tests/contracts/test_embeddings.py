@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from sklearn.metrics import roc_auc_score
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import (
     EMBEDDINGS,
@@ -19,6 +18,7 @@ from sheath_manip.policies import (
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.protocols import Policy
 from sheath_manip.support import OneClassSupport
+from sheath_manip.types.samples import Samples
 from tests import buttons, line, reach
 from tests.blobs import fitted_policy, held_out, training
 

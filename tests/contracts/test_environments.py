@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ActionError, UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import Environment
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Action, Observation, Outcome
-from tasks.table import TASKS
 
 SHAPES = {"box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh", "picture"}
 

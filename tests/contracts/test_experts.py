@@ -7,9 +7,9 @@ import pytest
 
 from sheath_manip.gates import AlwaysExpert
 from sheath_manip.protocols import Environment, Expert
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
-from tasks.table import TASKS
 
 SEED = 77
 

@@ -10,7 +10,7 @@ from sheath_manip.cockpit import Gamepad, Given, SixAxes
 from sheath_manip.cockpit.expert import Hands
 from sheath_manip.dashboard.operator_socket import HOTKEYS
 from sheath_manip.protocols import Environment
-from tasks.table import TASKS
+from sheath_manip.tasks.table import TASKS
 
 SEED = 77
 OF_THE_CAMERA = {f"Key{letter}" for letter in "WASDQE"} | {

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import POLICIES, make_policy
 from sheath_manip.protocols import Policy, ScoresChoices
 from sheath_manip.types import ActionSpec, Observation, TaskSpec
+from sheath_manip.types.samples import Samples
 from tests import blobs, buttons, line, reach
 
 # Others are fitted in one stroke.

@@ -7,8 +7,8 @@ import pytest
 
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.protocols import Environment, Expert, Follows
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Outcome
-from tasks.table import TASKS
 
 SEED = 77
 MEMBERS = [(task, name) for task in sorted(TASKS) for name in sorted(TASKS[task].stand_ins)]

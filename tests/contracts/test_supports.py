@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support import SUPPORTS, make_support, support_hyperparameters
 

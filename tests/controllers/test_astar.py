@@ -4,7 +4,7 @@ from math import dist, inf
 
 import pytest
 
-from controllers.astar import AStar
+from sheath_manip.controllers.astar import AStar
 from sheath_manip.exceptions import ParameterError
 
 MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from controllers.back_up import BackUp
-from controllers.hold import Hold
-from controllers.trail import Trail
+from sheath_manip.controllers.back_up import BackUp
+from sheath_manip.controllers.hold import Hold
+from sheath_manip.controllers.trail import Trail
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import Action, Observation
 

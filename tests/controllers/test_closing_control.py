@@ -2,7 +2,7 @@
 
 import pytest
 
-from controllers.closing_control import ClosingControl
+from sheath_manip.controllers.closing_control import ClosingControl
 
 CONTROL = ClosingControl(opening_m=0.09, speed_m_s=0.1, squeeze_m=0.02)
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from controllers.command_filter import (
+from sheath_manip.controllers.command_filter import (
     ACCELERATION,
     MALFORMED,
     RANGE,
@@ -15,12 +15,12 @@ from controllers.command_filter import (
     Admitted,
     CommandFilter,
 )
-from controllers.joint_limits import JointLimits
-from controllers.speed_cap import from_standing
-from controllers.workspace import Workspace
+from sheath_manip.controllers.joint_limits import JointLimits
+from sheath_manip.controllers.speed_cap import from_standing
+from sheath_manip.controllers.workspace import Workspace
 from sheath_manip.exceptions import ParameterError
-from tasks.robots.filtering import command_filter
-from tasks.robots.own_arm import ARM_WITH_JAW
+from sheath_manip.tasks.robots.filtering import command_filter
+from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 
 TIMESTEP_S = 0.05
 ROUNDING = 1e-9

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from controllers.footprint import clearances
+from sheath_manip.controllers.footprint import clearances
 
 
 def test_room_depends_on_the_way_it_is_turned():

@@ -3,7 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from controllers.sequence_search import SequenceSearch
+from sheath_manip.controllers.sequence_search import SequenceSearch
 from sheath_manip.exceptions import ParameterError
 
 CHOICES = np.array([[-1.0], [0.0], [1.0]])

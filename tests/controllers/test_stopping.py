@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.joint_limits import JointLimits
-from controllers.stopping import Stopping
+from sheath_manip.controllers.joint_limits import JointLimits
+from sheath_manip.controllers.stopping import Stopping
 from sheath_manip.exceptions import ParameterError
 
 TIMESTEP_S = 0.05

@@ -8,21 +8,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.teleop.arm import ArmHands
-from controllers.teleop.buttons import ButtonHands
-from controllers.teleop.device import Device
-from controllers.teleop.gamepad import GamepadDevice
-from controllers.teleop.gizmo import Gizmo, pose_of, transform_of
-from controllers.teleop.keys import GUIDE, Keys
-from controllers.teleop.planar import PlanarHands
-from controllers.teleop.six_axes import SixAxesDevice
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
 from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.spacemouse import SpaceMouse, six_axes
+from sheath_manip.controllers.teleop.arm import ArmHands
+from sheath_manip.controllers.teleop.buttons import ButtonHands
+from sheath_manip.controllers.teleop.device import Device
+from sheath_manip.controllers.teleop.gamepad import GamepadDevice
+from sheath_manip.controllers.teleop.gizmo import Gizmo, pose_of, transform_of
+from sheath_manip.controllers.teleop.keys import GUIDE, Keys
+from sheath_manip.controllers.teleop.planar import PlanarHands
+from sheath_manip.controllers.teleop.six_axes import SixAxesDevice
 from sheath_manip.exceptions import SetupError
-from tasks.driving.entry import DRIVING
-from tasks.platformer.entry import PLATFORMER
-from tasks.robots.drive import TWIST_SCALE
+from sheath_manip.tasks.driving.entry import DRIVING
+from sheath_manip.tasks.platformer.entry import PLATFORMER
+from sheath_manip.tasks.robots.drive import TWIST_SCALE
 from tests.waiting import eventually
 
 HERE = np.eye(4)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.protocols import Environment
 from sheath_manip.types import (
     ActionSpec,
@@ -29,6 +28,7 @@ from sheath_manip.types import (
     TaskSpec,
     Transition,
 )
+from sheath_manip.types.samples import Samples
 from tools.chromium import chromium_page
 
 TOKEN = "a-token-for-tests"

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sheath_manip.aggregate import LearningRun
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.parts.counts import Counts
 from sheath_manip.dashboard.parts.trouble import Trouble
-from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Actor, Episode, Limited, Outcome, Purpose
+from sheath_manip.types.samples import Samples, samples_from
 from tests.dashboard.conftest import SPEC, TOKEN, play
 from tests.toy import CORRIDOR, PLAN, Corridor
 from tests.waiting import DEADLINE_S, eventually

@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.parts.cameras import Cameras
 from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.dashboard.parts.trouble import Trouble
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.protocols import Policy
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.task import DrivingTask, Scenario
 from sheath_manip.types import EpisodeInfo, Observation, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.task import DrivingTask, Scenario
+from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser

@@ -11,17 +11,17 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Locator, Page
 
-from sheath_manip.cli.pacing import Pacing
 from sheath_manip.dashboard import Dashboard, Replay
-from sheath_manip.dashboard.film import film_of
 from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.films.making import exported
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.rollout import rollout
+from sheath_manip.playback.film import film_of
+from sheath_manip.playback.making import exported
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Outcome, Purpose, Transition
 from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until

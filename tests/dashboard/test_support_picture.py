@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.scene import capsule
 from sheath_manip.dashboard.support_picture import Ground, SupportPicture, Track, ground_of
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.playback import palette
 from sheath_manip.protocols import Environment
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
 from sheath_manip.types import Actor

@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, TaskSpec
-from tasks.table import TASKS
 from tests.toy import Corridor
 from tools.kill_recorder import synthetic_episode, synthetic_info
 

@@ -23,7 +23,6 @@ from sheath_manip.dataset.mapped import mapped_samples
 from sheath_manip.dataset.marker import MARKER
 from sheath_manip.dataset.merging import merge, split
 from sheath_manip.dataset.places import open_place
-from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.show import print_show
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.table import print_check, print_list
@@ -31,6 +30,7 @@ from sheath_manip.dataset.zarr_files import array_files
 from sheath_manip.exceptions import SheathError, StoreError
 from sheath_manip.seeding import generator
 from sheath_manip.types import Limited
+from sheath_manip.types.samples import samples_from
 from tools.kill_recorder import identical, synthetic_episode, synthetic_info
 
 STORES = 100

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sheath_manip.dataset.mapped import mapped_samples
-from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types.samples import Samples, samples_from
 from tests.dataset.generated import of_task
 from tests.episodes import INFO, episode_of
 

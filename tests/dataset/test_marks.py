@@ -11,11 +11,11 @@ from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.mapped import mapped_samples
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.merging import merge
-from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.show import print_show
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Outcome
+from sheath_manip.types.samples import samples_from
 from tests.episodes import INFO, episode_of
 from tools.kill_recorder import identical
 

@@ -21,10 +21,10 @@ from sheath_manip.dataset.marker import MARKER
 from sheath_manip.dataset.merging import Merged, merge, split
 from sheath_manip.dataset.places import open_place
 from sheath_manip.dataset.remote import RemoteStore
-from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.seeding import generator
+from sheath_manip.types.samples import samples_from
 from tests.s3 import BUCKET, s3_server
 from tools.kill_recorder import identical, synthetic_episode, synthetic_info
 

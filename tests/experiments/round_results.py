@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.results import RoundResult
+from sheath_manip.learning.theory import Bound
 from sheath_manip.metrics import EpisodeRecord
-from sheath_manip.plan import LearningPlan
-from sheath_manip.results import RoundResult
-from sheath_manip.theory import Bound
 from sheath_manip.types import Outcome
 
 STEPS = 140

@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sheath_manip.checkpoint import Checkpoint
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures import NothingToShowError
+from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.signals import SignalChoice
 from sheath_manip.signals.support import SupportSignal
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving import figures
-from tasks.driving.figures import draw_support, gate_map, pose_scores, support
-from tasks.driving.task import DrivingTask
-from tasks.driving.track import Track
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving import figures
+from sheath_manip.tasks.driving.figures import draw_support, gate_map, pose_scores, support
+from sheath_manip.tasks.driving.task import DrivingTask
+from sheath_manip.tasks.driving.track import Track
 
 
 @dataclass

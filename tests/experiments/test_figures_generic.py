@@ -14,7 +14,7 @@ from sheath_manip.experiments.figures.intervention import best_intervention
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.figures.style import looks, quantity
 from sheath_manip.experiments.summary import summarise
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
 from tests.episodes import episode_of
 from tests.experiments.round_results import expert_records_of, results_of

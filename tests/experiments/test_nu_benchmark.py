@@ -12,7 +12,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments.nu.benchmark import run_nu
 from sheath_manip.experiments.nu.plan import PLANS, NuPlan
 from sheath_manip.experiments.nu.summary import table
-from tasks.table import TASKS
+from sheath_manip.tasks.table import TASKS
 from tests.buttons import BUTTONS, PLAN
 from tests.experiments.test_figures_generic import assert_shows_something
 

@@ -9,9 +9,9 @@ from rich.console import Console
 
 from sheath_manip.experiments.summary import git_revision, summarise
 from sheath_manip.experiments.table import seeds_shown, table, with_interval
+from sheath_manip.json_files import write_json
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.metrics import mean_interval
-from sheath_manip.plan import LearningPlan
-from sheath_manip.results import write_json
 from tests.experiments.round_results import expert_records_of, results_of
 
 PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)

@@ -7,15 +7,15 @@ from typing import Self, cast
 import numpy as np
 import pytest
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.fitting import fit_gate
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.protocols import Policy
 from sheath_manip.signals.support import SupportSignal
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
+from sheath_manip.types.samples import Samples
 from tests.blobs import SPEC, blob_samples, fitted_policy
 
 EPISODES = np.repeat([3, 1, 7, 4, 5], [10, 20, 5, 15, 10])

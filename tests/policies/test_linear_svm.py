@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from sklearn.svm import LinearSVC
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.linear_svm import PENALTIES, PENALTY_UNTRIED, LinearSvm
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.types import Observation
+from sheath_manip.types.samples import Samples
 from tests.buttons import CHOICES, SPEC, button_samples
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies import make_embedding
 from sheath_manip.protocols import Signal
 from sheath_manip.signals import SIGNALS, make_signal, planned_signal

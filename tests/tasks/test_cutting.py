@@ -11,16 +11,16 @@ import pytest
 from dm_control import mjcf
 
 from sheath_manip.exceptions import ParameterError
-from tasks.gauze_cutting.cutting.crack import Crack
-from tasks.gauze_cutting.cutting.elasticity import Membrane
-from tasks.gauze_cutting.cutting.flexcomp import add_sheet
-from tasks.gauze_cutting.cutting.hex_mesh import Mesh, hex_square
-from tasks.gauze_cutting.cutting.journal import Cut, make, make_again
-from tasks.gauze_cutting.cutting.locating import lie_of, vertex_positions
-from tasks.gauze_cutting.cutting.pieces import area_in_circle_m2, area_m2, free_pieces
-from tasks.gauze_cutting.cutting.severing import edge_between, sever
-from tasks.gauze_cutting.cutting.sheet import NONE, Sheet, SparesExhausted
-from tasks.gauze_cutting.cutting.snapping import quality
+from sheath_manip.tasks.gauze_cutting.cutting.crack import Crack
+from sheath_manip.tasks.gauze_cutting.cutting.elasticity import Membrane
+from sheath_manip.tasks.gauze_cutting.cutting.flexcomp import add_sheet
+from sheath_manip.tasks.gauze_cutting.cutting.hex_mesh import Mesh, hex_square
+from sheath_manip.tasks.gauze_cutting.cutting.journal import Cut, make, make_again
+from sheath_manip.tasks.gauze_cutting.cutting.locating import lie_of, vertex_positions
+from sheath_manip.tasks.gauze_cutting.cutting.pieces import area_in_circle_m2, area_m2, free_pieces
+from sheath_manip.tasks.gauze_cutting.cutting.severing import edge_between, sever
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import NONE, Sheet, SparesExhausted
+from sheath_manip.tasks.gauze_cutting.cutting.snapping import quality
 
 SIDE_M = 0.06
 MESH = hex_square(SIDE_M, 13)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sheath_manip.gates import AlwaysExpert
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.task import DrivingTask, Scenario
 from sheath_manip.types import EpisodeInfo, Outcome, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.task import DrivingTask, Scenario
 
 SEEDS = range(1000, 1010)
 # What the expert knows is not in the picture, so a tiny one will do.

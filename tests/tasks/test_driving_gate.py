@@ -7,21 +7,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sheath_manip.checkpoint import Checkpoint
-from sheath_manip.dataset.samples import Samples, samples_from
-from sheath_manip.fitting import fit_gate
 from sheath_manip.gates import AlwaysExpert, SupportGate
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import IMAGE_EMBEDDINGS, POLICIES, make_embedding
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.signals import make_signal
 from sheath_manip.signals.support import SupportSignal
 from sheath_manip.support import make_support
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.task import DrivingTask, Scenario
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.task import DrivingTask, Scenario
+from sheath_manip.types.samples import Samples, samples_from
 
 DEMONSTRATIONS, CALIBRATION = 3, 3
 FALSE_ALARM_RATE = 0.1

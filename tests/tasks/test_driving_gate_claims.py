@@ -3,10 +3,10 @@
 import json
 from pathlib import Path
 
-from sheath_manip.claims import verdicts
+from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.gates.plan import PLANS
-from tasks.driving.entry import DRIVING
-from tasks.driving.probes import PROBES
+from sheath_manip.tasks.driving.entry import DRIVING
+from sheath_manip.tasks.driving.probes import PROBES
 
 
 def row(costly: float, *signals: str) -> dict:

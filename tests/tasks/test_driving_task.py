@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 
 from sheath_manip.gates import AlwaysExpert
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.driving.entry import DRIVING
+from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.task import (
+    CONTROL_TIMESTEP_S,
+    SPEED_M_S,
+    STEERING_RAD,
+    DrivingTask,
+    Scenario,
+)
 from sheath_manip.types import EpisodeInfo, Observation, Outcome, Purpose, Transition
-from tasks.composer_environment import ComposerEnvironment
-from tasks.driving.entry import DRIVING
-from tasks.driving.expert import DrivingExpert
-from tasks.driving.task import CONTROL_TIMESTEP_S, SPEED_M_S, STEERING_RAD, DrivingTask, Scenario
 
 LEFT, AHEAD, RIGHT = (np.array([turn], np.float32) for turn in (STEERING_RAD, 0, -STEERING_RAD))
 STEP_M = SPEED_M_S * CONTROL_TIMESTEP_S

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.claims import verdicts
+from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
+from sheath_manip.json_files import plain
 from sheath_manip.metrics import EpisodeRecord, figures_of
-from sheath_manip.results import plain
+from sheath_manip.tasks.gauze_cutting.entry import GAUZE_CUTTING
 from sheath_manip.types import Outcome
-from tasks.gauze_cutting.entry import GAUZE_CUTTING
 from tests.experiments.round_results import round_result
 
 SETTINGS = GAUZE_CUTTING.plans["full"]

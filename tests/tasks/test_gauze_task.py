@@ -7,16 +7,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from sheath_manip.types import Outcome
-from tasks.composer_environment import ComposerEnvironment
-from tasks.gauze_cutting.expert import GauzeExpert
-from tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, CORNERS_M, MESH, RADIUS_M
-from tasks.gauze_cutting.measures import path_measures
-from tasks.gauze_cutting.open_loops import nominal, registered
-from tasks.gauze_cutting.resting import clip_response
-from tasks.gauze_cutting.scene import CALM, DEFAULT, NOMINAL, Slip, draw_scene
-from tasks.gauze_cutting.steering import HEADING_CHANGE, PLANAR_VELOCITY
-from tasks.gauze_cutting.task import (
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
+from sheath_manip.tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, CORNERS_M, MESH, RADIUS_M
+from sheath_manip.tasks.gauze_cutting.measures import path_measures
+from sheath_manip.tasks.gauze_cutting.open_loops import nominal, registered
+from sheath_manip.tasks.gauze_cutting.resting import clip_response
+from sheath_manip.tasks.gauze_cutting.scene import CALM, DEFAULT, NOMINAL, Slip, draw_scene
+from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, PLANAR_VELOCITY
+from sheath_manip.tasks.gauze_cutting.task import (
     CONTROL_TIMESTEP_S,
     DEPTH_M,
     STRAY_M,
@@ -24,6 +23,7 @@ from tasks.gauze_cutting.task import (
     GauzeTask,
     Scenario,
 )
+from sheath_manip.types import Outcome
 
 SEED = 20
 """of no experiment"""

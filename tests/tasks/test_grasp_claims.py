@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.claims import verdicts
+from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.metrics import EpisodeRecord
+from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
 from sheath_manip.types import Outcome
-from tasks.grasp_clutter.entry import GRASP_CLUTTER
 from tests.experiments.round_results import round_result
 
 # By method: per mille toppled under the gate, per cent that the last policy alone succeeds in,

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from sheath_manip.seeding import scene_seed
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
+from sheath_manip.tasks.grasp_clutter.grasp_state import Intent
+from sheath_manip.tasks.grasp_clutter.guide import GraspGuide
+from sheath_manip.tasks.grasp_clutter.objects import Kind, StandingObject
+from sheath_manip.tasks.grasp_clutter.rehearsal import solvable
+from sheath_manip.tasks.grasp_clutter.scene import EASY, Scene
+from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
+from sheath_manip.tasks.robots.jaco import JACO_WITH_JAW
 from sheath_manip.types import Observation, Outcome, Purpose
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.expert import GraspExpert
-from tasks.grasp_clutter.grasp_state import Intent
-from tasks.grasp_clutter.guide import GraspGuide
-from tasks.grasp_clutter.objects import Kind, StandingObject
-from tasks.grasp_clutter.rehearsal import solvable
-from tasks.grasp_clutter.scene import EASY, Scene
-from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
-from tasks.robots.jaco import JACO_WITH_JAW
 
 TARGET = StandingObject(Kind.CAN, 0.03, 0.03, 0.12, 0.2, 0.45, 0.0, 0.0, (1, 0, 0, 1))
 

@@ -6,11 +6,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from controllers.joint_limits import JointLimits
+from sheath_manip.controllers.joint_limits import JointLimits
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Follows, TakesOver
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER, drive_of
+from sheath_manip.tasks.grasp_clutter.scene import EASY
+from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
+from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 from sheath_manip.types import (
     Action,
     Actor,
@@ -21,11 +26,6 @@ from sheath_manip.types import (
     Purpose,
     Reason,
 )
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.entry import GRASP_CLUTTER, drive_of
-from tasks.grasp_clutter.scene import EASY
-from tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
-from tasks.robots.own_arm import ARM_WITH_JAW
 
 SEED = 5
 INFO = EpisodeInfo("grasp-clutter", SEED, Purpose.LEARNING, 20.0)

@@ -10,9 +10,9 @@ from PIL import Image
 from rich.console import Console
 
 from sheath_manip.experiments.learning import run_experiment
-from tasks.grasp_clutter.entry import GRASP_CLUTTER, make
-from tasks.grasp_clutter.task import GraspTask, Scenario
-from tasks.robots.jaco import JACO_WITH_JAW
+from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER, make
+from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
+from sheath_manip.tasks.robots.jaco import JACO_WITH_JAW
 
 
 @pytest.mark.parametrize(

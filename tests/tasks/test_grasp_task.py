@@ -9,11 +9,11 @@ import pytest
 from dm_control.rl.control import PhysicsError
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.grasp_clutter.objects import Kind, StandingObject
+from sheath_manip.tasks.grasp_clutter.scene import EASY, HARD, POOL, TARGET_RGBA, Scene, draw_scene
+from sheath_manip.tasks.grasp_clutter.task import PHYSICS_TIMESTEP_S, TOPPLING, GraspTask, Scenario
 from sheath_manip.types import Outcome
-from tasks.composer_environment import ComposerEnvironment
-from tasks.grasp_clutter.objects import Kind, StandingObject
-from tasks.grasp_clutter.scene import EASY, HARD, POOL, TARGET_RGBA, Scene, draw_scene
-from tasks.grasp_clutter.task import PHYSICS_TIMESTEP_S, TOPPLING, GraspTask, Scenario
 
 STILL = np.array([0, 0, 0, 0, 0, 0, -1], np.float32)
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.claims import verdicts
+from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
+from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord
-from sheath_manip.results import RoundResult
+from sheath_manip.tasks.platformer.entry import PLATFORMER
 from sheath_manip.types import Outcome
-from tasks.platformer.entry import PLATFORMER
 from tests.experiments.round_results import round_result
 
 PLAN = replace(PLATFORMER.plans["full"], methods=("dagger", "sheath", "sheath-own-labels"))

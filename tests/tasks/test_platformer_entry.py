@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from sheath_manip.methods import method_named
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.entry import DRAWN, PLATFORMER, make_stage_of, stage_number
-from tasks.platformer.task import PlatformerTask
+from sheath_manip.learning.methods import method_named
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.entry import DRAWN, PLATFORMER, make_stage_of, stage_number
+from sheath_manip.tasks.platformer.task import PlatformerTask
 
 
 def test_every_run_has_a_stage_of_its_own_and_no_reset_draws_it():

@@ -3,12 +3,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.expert import FOLLOWED_STEPS, PlatformerExpert
+from sheath_manip.tasks.platformer.planner import ACTIONS, Planner
+from sheath_manip.tasks.platformer.stage import LENGTH_TILES
+from sheath_manip.tasks.platformer.task import CHOICES, PlatformerTask, Scenario
 from sheath_manip.types import Outcome
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.expert import FOLLOWED_STEPS, PlatformerExpert
-from tasks.platformer.planner import ACTIONS, Planner
-from tasks.platformer.stage import LENGTH_TILES
-from tasks.platformer.task import CHOICES, PlatformerTask, Scenario
 
 
 @pytest.fixture(scope="module")

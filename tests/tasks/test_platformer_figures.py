@@ -12,13 +12,13 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import NothingToShowError
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.gates import AlwaysExpert
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.tasks.platformer.entry import PLATFORMER, make_stage_of
+from sheath_manip.tasks.platformer.expert import PlatformerExpert
+from sheath_manip.tasks.platformer.figures import before_a_gap, scene
+from sheath_manip.tasks.platformer.stage import LEAD_TILES
+from sheath_manip.tasks.platformer.task import PlatformerTask
 from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Purpose, Reason
-from tasks.platformer.entry import PLATFORMER, make_stage_of
-from tasks.platformer.expert import PlatformerExpert
-from tasks.platformer.figures import before_a_gap, scene
-from tasks.platformer.stage import LEAD_TILES
-from tasks.platformer.task import PlatformerTask
 
 
 def players_column(picture: np.ndarray) -> float:

@@ -2,9 +2,15 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from tasks.platformer.enemies import MOST_ENEMIES, PACE_M_S, Enemy
-from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, TRAIL_TILES, Stage, draw_stage
-from tasks.platformer.world import MOST_BLOCKS
+from sheath_manip.tasks.platformer.enemies import MOST_ENEMIES, PACE_M_S, Enemy
+from sheath_manip.tasks.platformer.stage import (
+    LEAD_TILES,
+    LENGTH_TILES,
+    TRAIL_TILES,
+    Stage,
+    draw_stage,
+)
+from sheath_manip.tasks.platformer.world import MOST_BLOCKS
 
 SEEDS = range(60)
 

@@ -5,14 +5,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pytest
 
+from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.platformer.enemies import Enemy
+from sheath_manip.tasks.platformer.features import COLUMNS, ROWS
+from sheath_manip.tasks.platformer.figures import frame, whole_stage
+from sheath_manip.tasks.platformer.game import RADIUS_M, RUN_M_S, Buttons
+from sheath_manip.tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, TRAIL_TILES, Block, Stage
+from sheath_manip.tasks.platformer.task import CHOICES, PlatformerTask, Scenario
 from sheath_manip.types import Outcome, Transition
-from tasks.composer_environment import ComposerEnvironment
-from tasks.platformer.enemies import Enemy
-from tasks.platformer.features import COLUMNS, ROWS
-from tasks.platformer.figures import frame, whole_stage
-from tasks.platformer.game import RADIUS_M, RUN_M_S, Buttons
-from tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, TRAIL_TILES, Block, Stage
-from tasks.platformer.task import CHOICES, PlatformerTask, Scenario
 
 REST = Buttons(False, False, False, False)
 LEFT, RIGHT = REST._replace(left=True), REST._replace(right=True)

@@ -7,7 +7,7 @@ import pytest
 from dm_control import mjcf
 from dm_control.mujoco import engine
 
-from tasks.projection import px_of_horizontal_plane
+from sheath_manip.tasks.projection import px_of_horizontal_plane
 
 HEIGHT_M = 0.2
 

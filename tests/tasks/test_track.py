@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tasks.driving.track import Track
+from sheath_manip.tasks.driving.track import Track
 
 TRACK = Track()
 TRACKS = (TRACK, Track(half_length=30.0, half_width=12.0, corner_radius=6.0, road_half_width=3.0))

@@ -1,8 +1,8 @@
 import json
 from pathlib import Path
 
-from sheath_manip.claims import verdicts
-from tasks.table import TASKS
+from sheath_manip.experiments.claims import verdicts
+from sheath_manip.tasks.table import TASKS
 from tools.bench_data import main
 
 

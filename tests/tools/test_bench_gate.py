@@ -1,7 +1,7 @@
 import json
 from pathlib import Path
 
-from sheath_manip.claims import verdicts
+from sheath_manip.experiments.claims import verdicts
 from tools.bench_gate import main
 
 

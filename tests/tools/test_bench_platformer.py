@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.claims import verdicts
+from sheath_manip.experiments.claims import verdicts
 from tools.bench_platformer import main
 
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import State, Turn
-from sheath_manip.dashboard import palette
-from sheath_manip.dashboard.acting import acting
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.playback import palette
+from sheath_manip.playback.labels import acting
 from sheath_manip.types import Actor, GateDecision, Reason
 
 

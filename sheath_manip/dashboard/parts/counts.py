@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping
 from html import escape
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.playback import palette
 from sheath_manip.types import EpisodeInfo, Limited, Outcome
 
 

@@ -4,13 +4,13 @@ from html import escape
 
 import viser
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.reader import EpisodeSummary
+from sheath_manip.playback import palette
 
 AROUND = 12
 """rows of the table before and after the one that is on"""

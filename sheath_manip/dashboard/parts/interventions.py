@@ -6,7 +6,7 @@ import viser
 
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.trace import REASONS, Trace
+from sheath_manip.playback.trace import REASONS, Trace
 
 NONE: str = "none yet"
 LISTED = 100

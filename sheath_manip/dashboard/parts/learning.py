@@ -8,8 +8,8 @@ from sheath_manip.dashboard.line_chart import line_chart
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
-from sheath_manip.results import RoundResult
 
 NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with the first round."
 

@@ -3,10 +3,10 @@
 import numpy as np
 import viser
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.playback import palette
 
 THICKNESS_PX = 4.0
 

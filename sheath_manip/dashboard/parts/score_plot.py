@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 from viser.uplot import Axis, Series
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.markup import caption, note
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.playback import palette
 from sheath_manip.types import Actor
 
 HEIGHT_PX = 140

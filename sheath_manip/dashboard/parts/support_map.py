@@ -3,16 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.seldom import Seldom
 from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
-from sheath_manip.dataset.samples import Samples
+from sheath_manip.playback import palette
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
 from sheath_manip.types import Actor
+from sheath_manip.types.samples import Samples
 
 TRAIL_STEPS = 300
 RATE_HZ = 6.0

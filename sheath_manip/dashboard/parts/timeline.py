@@ -5,12 +5,12 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard import palette
-from sheath_manip.dashboard.acting import acting_and_why
 from sheath_manip.dashboard.markup import TEXT, caption
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.trace import REASONS, Trace
+from sheath_manip.playback import palette
+from sheath_manip.playback.labels import acting_and_why
+from sheath_manip.playback.trace import REASONS, Trace
 from sheath_manip.types import Reason
 
 BINS = 240

@@ -4,10 +4,10 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.playback import palette
 from sheath_manip.types import Actor
 
 ACTORS = (Actor.EXPERT, Actor.POLICY)

@@ -2,10 +2,10 @@
 
 from html import escape
 
-from sheath_manip.dashboard import palette
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
+from sheath_manip.playback import palette
 from sheath_manip.types import Outcome
 
 

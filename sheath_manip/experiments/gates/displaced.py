@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.dataset.samples import Samples
-from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.setting import Setting
+from sheath_manip.protocols import Report
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation
+from sheath_manip.types.samples import Samples
 
 FILE = "displaced.npz"
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sheath_manip.aggregate import LearningRun
-from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.displaced import displaced_states
 from sheath_manip.experiments.gates.loop import Size, run_loop, write_loop
 from sheath_manip.experiments.gates.offline import evidence, measured
@@ -16,11 +14,12 @@ from sheath_manip.experiments.gates.remembered import Shared
 from sheath_manip.experiments.gates.rows import BASELINES, Row, rows
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import record_visits
-from sheath_manip.fitting import fit_gate
+from sheath_manip.json_files import plain, write_json
+from sheath_manip.learning.fitting import fit_gate
+from sheath_manip.learning.run import LearningRun
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
-from sheath_manip.protocols import Listener, Policy
-from sheath_manip.results import plain, write_json
+from sheath_manip.protocols import Listener, Policy, Report
 from sheath_manip.seeding import seed_for
 from sheath_manip.signals import planned_signal
 

@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sheath_manip.checkpoint import Checkpoint, load_checkpoint
-from sheath_manip.dataset.samples import joined, samples_from
-from sheath_manip.evaluation import Report, evaluate_policy
 from sheath_manip.exceptions import StoreError
 from sheath_manip.experiments.gates.rows import BASELINES
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.gates import SupportGate
+from sheath_manip.json_files import write_json
+from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.evaluation import evaluate_policy
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
-from sheath_manip.protocols import Environment, Gate, Policy
-from sheath_manip.results import write_json
-from sheath_manip.rollout import rollout
+from sheath_manip.protocols import Environment, Gate, Policy, Report
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose, TaskSpec
+from sheath_manip.types.samples import joined, samples_from
 
 
 @dataclass(frozen=True)

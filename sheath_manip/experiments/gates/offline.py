@@ -6,9 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.checkpoint import Checkpoint
-from sheath_manip.dataset.samples import Samples, samples_from
-from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.detection import Rate, alarms, auroc, detected, rate_of
 from sheath_manip.experiments.gates.displaced import displaced_states
 from sheath_manip.experiments.gates.foresight import (
@@ -21,11 +18,14 @@ from sheath_manip.experiments.gates.foresight import (
 )
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import Visit, visits
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.protocols import Report
 from sheath_manip.support.calibration import (
     episode_threshold,
     held_out_threshold,
     or_nothing_inside,
 )
+from sheath_manip.types.samples import Samples, samples_from
 
 CURVE = np.round(np.linspace(0, 1, 51), 2)
 """false-alarm rates at which ROC curves are kept"""

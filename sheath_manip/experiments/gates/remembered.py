@@ -6,10 +6,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.samples import Samples
 from sheath_manip.policies import make_embedding
 from sheath_manip.protocols import Arrays, Embedding, Policy, Signal
 from sheath_manip.signals import SignalChoice, make_signal
+from sheath_manip.types.samples import Samples
 
 
 class Remembered:

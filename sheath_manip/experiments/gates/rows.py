@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, RandomTakeover
-from sheath_manip.plan import LearningPlan
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies import embeddings_like
 from sheath_manip.protocols import Gate
 from sheath_manip.signals import PRECEDENTS

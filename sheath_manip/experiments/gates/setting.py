@@ -4,18 +4,18 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sheath_manip.checkpoint import Checkpoint, load_checkpoint
-from sheath_manip.dataset.samples import Samples, samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.gates.plan import GatesPlan
-from sheath_manip.plan import LearningPlan
-from sheath_manip.probes import Probes
+from sheath_manip.experiments.probes import Probes
+from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.results import EXPERT, round_path
 from sheath_manip.protocols import Environment
-from sheath_manip.results import EXPERT, round_path
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import Episode, Purpose, TaskSpec
+from sheath_manip.types.samples import Samples, samples_from
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,14 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.checkpoint import digest
 from sheath_manip.dataset.recorder import Recorder
-from sheath_manip.dataset.samples import Samples, samples_from
-from sheath_manip.evaluation import Report
 from sheath_manip.experiments.gates.rows import POLICY
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.gates import AlwaysPolicy
+from sheath_manip.learning.checkpoint import digest
 from sheath_manip.policies.deviation import largest_deviations
-from sheath_manip.rollout import rollout
+from sheath_manip.protocols import Report
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.seeding import generator
 from sheath_manip.types import (
     Action,
@@ -28,6 +27,7 @@ from sheath_manip.types import (
     Purpose,
     Reason,
 )
+from sheath_manip.types.samples import Samples, samples_from
 
 
 @dataclass(frozen=True, eq=False)

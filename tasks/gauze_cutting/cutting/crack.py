@@ -10,11 +10,11 @@ from any copy of that vertex.
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.journal import Cut
-from tasks.gauze_cutting.cutting.severing import edge_between
-from tasks.gauze_cutting.cutting.sheet import Sheet
-from tasks.gauze_cutting.cutting.snapping import may_snap
-from tasks.gauze_cutting.cutting.trail import BladeTrail
+from sheath_manip.tasks.gauze_cutting.cutting.journal import Cut
+from sheath_manip.tasks.gauze_cutting.cutting.severing import edge_between
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.cutting.snapping import may_snap
+from sheath_manip.tasks.gauze_cutting.cutting.trail import BladeTrail
 
 # All in mesh sizes.
 _LEAD = 1.0

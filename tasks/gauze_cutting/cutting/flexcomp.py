@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.elasticity import Membrane
-from tasks.gauze_cutting.cutting.hex_mesh import Mesh
+from sheath_manip.tasks.gauze_cutting.cutting.elasticity import Membrane
+from sheath_manip.tasks.gauze_cutting.cutting.hex_mesh import Mesh
 
 _SPARE_M = 0.002
 """side of a triangle of the pool"""

@@ -7,10 +7,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.locating import Lie
-from tasks.gauze_cutting.cutting.severing import Doubled, edge_between, require_spares, sever
-from tasks.gauze_cutting.cutting.sheet import Sheet
-from tasks.gauze_cutting.cutting.snapping import snap
+from sheath_manip.tasks.gauze_cutting.cutting.locating import Lie
+from sheath_manip.tasks.gauze_cutting.cutting.severing import (
+    Doubled,
+    edge_between,
+    require_spares,
+    sever,
+)
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.cutting.snapping import snap
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
 
 _CANDIDATES = 6
 """elements next to a point by their middles, one of which holds it in any mesh that is no sliver"""

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
 
 
 def piece_of_elements(sheet: Sheet) -> NDArray[np.int64]:

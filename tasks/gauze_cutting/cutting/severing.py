@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from tasks.gauze_cutting.cutting.sheet import NONE, Sheet, SparesExhausted
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import NONE, Sheet, SparesExhausted
 
 _MOST_DOUBLED = 2
 """vertices that one cut edge may double: its ends"""

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError, SheathError
-from tasks.gauze_cutting.cutting.elasticity import (
+from sheath_manip.tasks.gauze_cutting.cutting.elasticity import (
     Membrane,
     bending_stiffness,
     stretch_stiffness,
 )
-from tasks.gauze_cutting.cutting.hex_mesh import Mesh
+from sheath_manip.tasks.gauze_cutting.cutting.hex_mesh import Mesh
 
 NONE = -1
 """in place of a flap's tip where an edge has an element on one side only"""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tasks.gauze_cutting.cutting.sheet import Sheet
+from sheath_manip.tasks.gauze_cutting.cutting.sheet import Sheet
 
 LEAST_QUALITY = 0.12
 """of a triangle: 1 is equilateral; below a tenth the stiffness has edges that differ too much"""

@@ -12,12 +12,12 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.formats import ImportFormat
 from sheath_manip.dataset.exchange.importing import Origin, import_episodes
 from sheath_manip.dataset.exchange.key_map import KeyMap
-from sheath_manip.dataset.samples import samples_from
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SheathError, StoreError
 from sheath_manip.policies import make_policy
 from sheath_manip.support import make_support
 from sheath_manip.types import ActionSpec, EpisodeInfo, Outcome, Purpose, TaskSpec
+from sheath_manip.types.samples import samples_from
 
 INFO = EpisodeInfo("push", 0, Purpose.DEMONSTRATION, 10.0, method="pusht")
 LENGTHS = (4, 6)

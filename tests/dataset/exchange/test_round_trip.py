@@ -14,7 +14,7 @@ from sheath_manip.dataset.exchange.importing import import_episodes
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
 from sheath_manip.dataset.header import to_attributes
 from sheath_manip.dataset.store import EpisodeStore
-from tasks.table import TASKS
+from sheath_manip.tasks.table import TASKS
 from tests.dataset.generated import of_task
 from tools.kill_recorder import identical
 

@@ -1,0 +1,1 @@
+"""Rounds of learning from an expert: policy and gate fitted, driven, aggregated, measured."""

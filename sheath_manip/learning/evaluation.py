@@ -1,0 +1,64 @@
+"""Whoever acts alone, on scenes that nobody has learned from."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, redrawing
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.metrics import EpisodeRecord, record_of
+from sheath_manip.protocols import Environment, Expert, Gate, Policy, Report
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.seeding import generator
+from sheath_manip.types import EpisodeInfo, Purpose
+
+
+def evaluate_policy(
+    environment: Environment,
+    checkpoint: Checkpoint,
+    seeds: Sequence[int],
+    report: Report = lambda _: None,
+) -> list[EpisodeRecord]:
+    """The policy alone on the scenes of `seeds`; nothing is recorded, nothing learned from it."""
+    policy, method = checkpoint.policy, checkpoint.method
+    gate = partial(redrawing, AlwaysPolicy(), policy)
+    return _judged(environment, seeds, gate, report, method, checkpoint.round, policy=policy)
+
+
+def evaluate_expert(
+    environment: Environment,
+    expert: Expert,
+    name: str,
+    seeds: Sequence[int],
+    report: Report = lambda _: None,
+) -> list[EpisodeRecord]:
+    """Likewise an expert, or who sits in its place."""
+    return _judged(environment, seeds, AlwaysExpert, report, name, expert=expert)
+
+
+def _judged(
+    environment: Environment,
+    seeds: Sequence[int],
+    gate: Callable[[], Gate],
+    report: Report,
+    name: str,
+    number: int = 0,
+    *,
+    policy: Policy | None = None,
+    expert: Expert | None = None,
+) -> list[EpisodeRecord]:
+    records = []
+    for index, seed in enumerate(seeds):
+        info = EpisodeInfo(
+            task=environment.spec.name,
+            seed=seed,
+            purpose=Purpose.EVALUATION,
+            control_rate_hz=environment.spec.control_rate_hz,
+            method=name,
+            round=number,
+            index=index,
+        )
+        rng = generator("alone", seed)
+        episode = rollout(environment, info, gate(), rng=rng, policy=policy, expert=expert)
+        records.append(record_of(episode))
+        report(f"{name} alone")
+    return records

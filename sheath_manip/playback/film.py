@@ -1,0 +1,44 @@
+"""One episode as a page shows it: every step, and how the scene stood after it."""
+
+from sheath_manip.playback.trace import GrowingTrace
+from sheath_manip.protocols import Environment
+from sheath_manip.types import Episode, EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
+
+
+class Film:
+    """Grows while the episode runs, on one thread; others may look meanwhile."""
+
+    def __init__(
+        self, info: EpisodeInfo, scene: tuple[SceneGeom, ...], first_pose: ScenePose
+    ) -> None:
+        """Begin with how the scene stands before the first step."""
+        self.info = info
+        self.scene = scene
+        self.first_pose = first_pose
+        self.trace = GrowingTrace()
+        self.steps: list[Step] = []
+        self.poses: list[ScenePose] = []
+        """after each step"""
+        self.outcome: Outcome | None = None
+        """None while the episode runs"""
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def append(self, step: Step, pose: ScenePose) -> None:
+        """Add one step and how the scene stands after it."""
+        self.trace.append(step, pose)
+        self.steps.append(step)
+        self.poses.append(pose)
+
+
+def film_of(environment: Environment, episode: Episode) -> Film:
+    """A recorded `episode`, looked at in an `environment` of its task and variant."""
+    environment.reset(episode.info.seed)
+    states = [*(step.state for step in episode.steps), episode.final_state]
+    first_pose = environment.pose_at(states[0])
+    film = Film(episode.info, tuple(environment.scene()), first_pose)
+    for step, state in zip(episode.steps, states[1:], strict=True):
+        film.append(step, environment.pose_at(state))
+    film.outcome = episode.outcome
+    return film

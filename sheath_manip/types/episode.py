@@ -1,0 +1,65 @@
+"""One episode: where it comes from, its steps, how it ended."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.types.step import Observation, Step
+
+
+class Outcome(StrEnum):
+    """How an episode ended, in the task's own terms."""
+
+    SUCCESS = "success"
+    FAILURE = "failure"
+    TIME_LIMIT = "time-limit"
+
+
+class Purpose(StrEnum):
+    """What an episode was recorded for; episodes of different purposes never share a seed."""
+
+    DEMONSTRATION = "demonstration"
+    CALIBRATION = "calibration"
+    LEARNING = "learning"
+    EVALUATION = "evaluation"
+
+
+@dataclass(frozen=True)
+class EpisodeInfo:
+    """Where an episode comes from: enough to run it again."""
+
+    task: str
+    seed: int
+    """of the scene"""
+    purpose: Purpose
+    control_rate_hz: float
+    method: str = ""
+    round: int = 0
+    index: int = 0
+    """within its round"""
+    run_seed: int = 0
+    """of the training run it belongs to"""
+    checkpoint: str = ""
+    """content hash of the policy and gate that drove it; empty where none did"""
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """T steps and T+1 observations."""
+
+    info: EpisodeInfo
+    steps: tuple[Step, ...]
+    final_observation: Observation
+    final_state: NDArray[np.float64]
+    terminated: bool
+    """the task reached an end of its own (dm_env: discount 0)"""
+    truncated: bool
+    """the time ran out (dm_env: discount 1)"""
+    outcome: Outcome
+    metrics: Mapping[str, float] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.steps)

@@ -1,0 +1,137 @@
+"""One control step: what is seen, who acts and why, what became of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.types.spec import Action
+
+
+class Actor(StrEnum):
+    """Who drives a control step."""
+
+    POLICY = "policy"
+    EXPERT = "expert"
+
+
+class Reason(StrEnum):
+    """Why a gate chose its actor."""
+
+    FIXED = "fixed"
+    """the gate always says so, or its schedule does"""
+    DRAWN = "drawn"
+    """a random draw decided"""
+    INSIDE = "inside support"
+    OUTSIDE = "outside support"
+    RISK = "in-support risk"
+    """the state is familiar, but not what the policy would do in it"""
+    HOLD = "held by hysteresis"
+    """inside again, but not yet far or long enough to hand back"""
+    PERSON = "person"
+    """a person said so"""
+    NO_SCORE = "no score"
+    """the score is missing or not a number: as outside"""
+    INVALID_PROPOSAL = "invalid proposal"
+    """the policy proposed an action that is no action: the expert acts"""
+    WAITING = "waiting for person"
+    """the robot holds until a person takes over, or the wait is over"""
+    IDLE = "person idle"
+    """a person has taken over and holds no device: the robot holds"""
+    NO_ANSWER = "nobody answered"
+    """the wait for a person is over: whoever stands in for it acts"""
+    EMERGENCY_STOP = "emergency stop"
+    """somebody stopped the robot, and nobody has reset it yet"""
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """What is seen at one control step."""
+
+    images: Mapping[str, NDArray[np.uint8]]
+    """(h, w, 3) RGB by camera"""
+    features: NDArray[np.float32]
+    """(f,) in the order of `TaskSpec.feature_names`"""
+    time_s: float
+
+
+@dataclass(frozen=True)
+class GateDecision:
+    """Who acts, and whether the expert is asked for a label: two separate outputs of a gate."""
+
+    actor: Actor
+    query: bool
+    """ask the expert for a label even though the policy may act"""
+    reason: Reason
+    score: float = float("nan")
+    """support score, positive inside; NaN where the gate computes none"""
+    threshold: float = float("nan")
+    """the score below which the expert takes over; NaN where the gate has none"""
+
+
+@dataclass(frozen=True, order=True)
+class Limited:
+    """A limit of the command filter that changed a command."""
+
+    limit: str
+    """such as `joint velocity`; a step names each at most once"""
+    by: float
+    """how much it took off, as a share of the fastest command; more than 0"""
+
+
+@dataclass(frozen=True, eq=False)
+class Commanded:
+    """What became of an action on its way through a command filter."""
+
+    action: Action
+    """what was commanded in the end"""
+    limited: tuple[Limited, ...] = ()
+    """the limits that acted, sorted by name"""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One control step, as recorded."""
+
+    observation: Observation
+    """before the action"""
+    state: NDArray[np.float64]
+    """(s,) simulator state before the action, for replay"""
+    proposed: Action | None
+    """what the policy wanted"""
+    labelled: Action | None
+    """what the expert would do, where it was asked or acted"""
+    decision: GateDecision
+    executed: Action
+    """what was commanded: the action of who acts, after the command filter where there is one"""
+    reward: float
+    limited: tuple[Limited, ...] = ()
+    """the limits of the command filter that acted, sorted by name"""
+
+    @property
+    def label(self) -> Action | None:
+        """What to learn from: the expert's answer where a label was asked for.
+
+        Who only holds the robot in an expert's place acts, and teaches nothing.
+        """
+        return self.labelled if self.decision.query else None
+
+    @property
+    def wished(self) -> Action:
+        """What who acted wanted: given to the environment, it runs the step again to the bit."""
+        wish = self.labelled if self.decision.actor is Actor.EXPERT else self.proposed
+        return self.executed if wish is None else wish
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """What an environment answers to an action."""
+
+    observation: Observation
+    reward: float
+    terminated: bool
+    truncated: bool
+    commanded: Commanded | None = None
+    """None where no command filter lies between the action and the physics"""
