@@ -11,7 +11,6 @@ from sheath_manip.cli.session import Session
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.gates import redrawing
 from sheath_manip.metrics import (
     EpisodeRecord,
     expert_share,
@@ -58,7 +57,7 @@ def run_all(
                     rollout,
                     environment,
                     info,
-                    redrawing(gate, policy),
+                    gate,
                     policy=policy,
                     expert=expert,
                     listeners=(*recorders, *listeners),

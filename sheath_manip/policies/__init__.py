@@ -24,15 +24,15 @@ from sheath_manip.policies.side_by_side import SideBySide
 from sheath_manip.policies.smile import SmileMixture
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions, ImagePoints
-from sheath_manip.policies.tool_view_embedding import SeenFromTool
+from sheath_manip.policies.tool_view_embedding import FromTool
 from sheath_manip.policies.weighted_features import WeightedFeatures
-from sheath_manip.protocols import Embedding, Policy
+from sheath_manip.protocols import Embedding, TrainablePolicy
 from sheath_manip.types import TaskSpec
 
 # For the action alone, without the painting, the lower rate is enough.
 _plain_policy = partial(ConvPolicy, learning_rate=1e-3, reconstruction_weight=0.0)
 
-POLICIES: dict[str, Callable[..., Policy]] = {
+POLICIES: dict[str, Callable[..., TrainablePolicy]] = {
     "cnn": ConvPolicy,
     "plain-cnn": _plain_policy,
     "paper-cnn": partial(_plain_policy, channels=(16,)),
@@ -94,11 +94,11 @@ SPATIAL_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
 }
 """of `spatial-cnn`, which looks through several cameras and at features"""
 TOOL_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
-    "tool-points": lambda: SeenFromTool(ImagePoints()),
-    "tool-points-whitened": lambda: SeenFromTool(ImagePoints(Whitening())),
-    "tool-convolutions": lambda: SeenFromTool(CameraConvolutions()),
-    "tool-convolutions-whitened": lambda: SeenFromTool(CameraConvolutions(Whitening())),
-    "tool-pixels": lambda: SeenFromTool(Pixels(Whitening(), side=12)),
+    "tool-points": lambda: FromTool(ImagePoints()),
+    "tool-points-whitened": lambda: FromTool(ImagePoints(Whitening())),
+    "tool-convolutions": lambda: FromTool(CameraConvolutions()),
+    "tool-convolutions-whitened": lambda: FromTool(CameraConvolutions(Whitening())),
+    "tool-pixels": lambda: FromTool(Pixels(Whitening(), side=12)),
 }
 """of `egocentric-cnn`"""
 FEATURE_EMBEDDINGS: dict[str, Callable[[], Embedding]] = {
@@ -110,7 +110,9 @@ EMBEDDINGS = IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | TOOL_EMBEDDINGS | FEATURE_E
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
 
 
-def make_policy(name: str, spec: TaskSpec, seed: int = 0, **hyperparameters: Any) -> Policy:
+def make_policy(
+    name: str, spec: TaskSpec, seed: int = 0, **hyperparameters: Any
+) -> TrainablePolicy:
     """A fresh policy of the table; UnknownNameError for a name that is not in it."""
     if name not in POLICIES:
         raise UnknownNameError("policy", name, POLICIES)
