@@ -26,6 +26,10 @@ class StoreError(SheathError):
     """A path that is no episode store, or an episode in it that cannot be read."""
 
 
+class WorkerError(SheathError):
+    """A worker process failed, or was lost."""
+
+
 class ParameterError(SheathError):
     """A hyperparameter outside its range, or data of the wrong shape."""
 

@@ -15,6 +15,7 @@ from sheath_manip.types import Actor
 from sheath_manip.types.samples import Samples
 
 TRAIL_STEPS = 300
+TRAIL = (Actor.POLICY, Actor.EXPERT)
 RATE_HZ = 6.0
 NO_TRAINING = "The support appears here with the first training states."
 
