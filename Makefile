@@ -16,10 +16,10 @@ DEV_STAMP := $(VENV)/.dev-installed
 .DEFAULT_GOAL := help
 # Two recipes at once would fight over apt's lock and the venv.
 .NOTPARALLEL:
-.PHONY: help install demo test lint contracts types format clean gl browser
+.PHONY: help install demo test lint contracts types wheel-test format clean gl browser
 
 help: ## print this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 install: $(DEV_STAMP) gl browser ## make .venv with everything that a developer needs
 
@@ -42,6 +42,9 @@ contracts: $(DEV_STAMP) ## the direction of the imports
 types: $(DEV_STAMP) ## pyright
 	$(BIN)/pyright
 
+wheel-test: $(DEV_STAMP) gl ## install the wheel in a venv of its own and try it; the tests do it too
+	$(TEST_ENVIRONMENT) $(BIN)/pytest -n 0 tests/wheel
+
 format: $(DEV_STAMP) ## let ruff fix and format the code
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
@@ -60,7 +63,7 @@ $(BIN)/python:
 
 $(RUNTIME_STAMP): $(REQUIREMENTS) | $(BIN)/python
 	@echo 'Installing into $(VENV): a minute or two, or more where torch comes from afar'
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[tasks]'
 	@touch $@
 
 # The development set holds the runtime set.
