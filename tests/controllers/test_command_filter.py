@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -21,6 +21,7 @@ from sheath_manip.controllers.workspace import Workspace
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.robots.filtering import command_filter
 from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
+from tests.cases import cases
 
 TIMESTEP_S = 0.05
 ROUNDING = 1e-9
@@ -113,7 +114,7 @@ command = st.one_of(
 stretch = st.tuples(command, st.integers(1, 12))
 
 
-@settings(max_examples=40, deadline=None)
+@cases(40)
 @given(st.lists(stretch, min_size=1, max_size=6))
 def test_any_commands_are_held_within_all_limits(arm, stretches):
     watched = Watched(arm, HOME)
