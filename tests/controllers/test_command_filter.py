@@ -145,9 +145,16 @@ def adversary(guard: CommandFilter, watched: Watched, rng: np.random.Generator, 
     return corner if kind == 6 else watched.targets + (corner - watched.targets) * 0.02
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("kind", "count"), [("arm", 7000), ("careful_arm", 3000)])
-def test_an_adversary_breaks_no_limit_in_ten_thousand_steps(kind, count, request):
+@pytest.mark.parametrize(
+    ("kind", "count"),
+    [
+        ("arm", 1000),
+        ("careful_arm", 500),
+        pytest.param("arm", 20_000, marks=pytest.mark.soak),
+        pytest.param("careful_arm", 10_000, marks=pytest.mark.soak),
+    ],
+)
+def test_an_adversary_breaks_no_limit(kind, count, request):
     guard = request.getfixturevalue(kind)
     rng = np.random.default_rng(5)
     watched = Watched(guard, HOME)
