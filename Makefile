@@ -4,9 +4,10 @@ PYTHON ?= $(or $(shell command -v python3.11),python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
-# Two pytest workers on two cores: more threads in each would only fight over them.
-TEST_ENVIRONMENT := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1
+# Two pytest workers on two cores: more threads in each would only fight over them. Stealing leaves
+# neighbours together, so that what a file's tests share is made once.
 WORKERS ?= 2
+PYTEST := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 # A change of either file installs anew; a second run does not.
 REQUIREMENTS := pyproject.toml constraints.txt
@@ -16,7 +17,7 @@ DEV_STAMP := $(VENV)/.dev-installed
 .DEFAULT_GOAL := help
 # Two recipes at once would fight over apt's lock and the venv.
 .NOTPARALLEL:
-.PHONY: help install demo test lint contracts types wheel-test format clean gl browser
+.PHONY: help install demo test soak lint contracts types wheel-test format clean gl browser
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -28,7 +29,12 @@ demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser
 
 # Fast to slow; the first that fails stops the rest.
 test: lint contracts types gl browser ## lint, import contracts, types, tests
-	$(TEST_ENVIRONMENT) $(BIN)/pytest -n $(WORKERS)
+	$(PYTEST)
+
+soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, long runs, kills
+	$(PYTEST) -m 'soak or hypothesis' --hypothesis-profile soak --timeout 900
+	$(BIN)/python -m tools.soak --minutes 3
+	$(BIN)/python -m tools.kill_recorder --kills 60 --writers 2 --polls 10000
 
 lint: $(DEV_STAMP) ## ruff: rules and format
 	$(BIN)/ruff check .

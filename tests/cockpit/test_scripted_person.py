@@ -123,7 +123,7 @@ def test_a_grasp_from_which_a_policy_learns(tmp_path: Path):
     inner.close()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_disc_is_cut_out_by_four_keys(tmp_path: Path):
     inner = ComposerEnvironment(GauzeTask(GauzeScenario(cameras=())))
     store = EpisodeStore.create(tmp_path / "store")
@@ -134,7 +134,7 @@ def test_a_disc_is_cut_out_by_four_keys(tmp_path: Path):
     inner.close()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_lap_from_which_a_policy_learns(tmp_path: Path):
     inner = ComposerEnvironment(DrivingTask(DrivingScenario()))
     store = EpisodeStore.create(tmp_path / "store")
