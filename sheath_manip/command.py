@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from sheath_manip.threads import one_thread_by_default
 
 if TYPE_CHECKING:
-    from sheath_manip.task import TaskEntry
+    from sheath_manip.task import Task
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -27,7 +27,7 @@ def task_main(task: str, argv: Sequence[str] | None = None) -> int:
     return run_task_command(load_tasks, task, sys.argv[1:] if argv is None else argv)
 
 
-def load_tasks() -> "Mapping[str, TaskEntry]":
+def load_tasks() -> "Mapping[str, Task]":
     """Import and return the table of tasks.
 
     Raises SetupError where the machine lacks their simulator, or the GL library that it wants.

@@ -5,7 +5,7 @@ from functools import cache, partial
 import numpy as np
 
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Action, ActionSpec, Observation, TaskSpec, Transition
 from sheath_manip.types.samples import Samples
 from tests.toy import CHOICES as SIDESTEPS
@@ -54,26 +54,30 @@ def make_stage(run_seed: int) -> ButtonCorridor:
     return ButtonCorridor(drift_m=0.05 * (run_seed % 3 - 1))
 
 
-PLAN = LearningPlan(
-    policy="linear-svm",
-    signal="support",
-    embedding="features",
-    bandwidth_factor=0.05,
-    bandwidth_unit="dimensions",
-    false_alarm_rate=0.2,
-    expert_budget=0.25,
-    seeds=(0,),
-    variant="stage",
-    final_variant="stage",
-    demonstrations=2,
-    calibration=3,
-    check=1,
-    rounds=2,
-    episodes=2,
-    held_out=1,
-    final=1,
+PLAN = LearningPlan().changed(
+    policy={"name": "linear-svm"},
+    gate={
+        "signal": "support",
+        "embedding": "features",
+        "support": {"bandwidth_factor": 0.05, "bandwidth_unit": "dimensions"},
+        "threshold": {"false_alarm_rate": 0.2, "expert_budget": 0.25},
+    },
+    comparison={
+        "seeds": (0,),
+        "final_variant": "stage",
+        "evaluation_episodes": 1,
+        "final_episodes": 1,
+    },
+    schedule={
+        "variant": "stage",
+        "demonstrations": 2,
+        "calibration": 3,
+        "false_alarm_episodes": 1,
+        "rounds": 2,
+        "episodes": 2,
+    },
 )
-BUTTONS = TaskEntry(
+BUTTONS = Task(
     name="buttons",
     summary="keep to the middle of a windy corridor, by two buttons",
     variants={"default": ButtonCorridor, "final": partial(ButtonCorridor, steps=24)},

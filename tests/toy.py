@@ -10,7 +10,7 @@ from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.experiments.probes import Displacement, Probes
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import (
     Action,
     ActionSpec,
@@ -152,17 +152,17 @@ PROBES = Probes(
     regret=regret_m,
     costly_regret=0.2,
 )
-PLAN = LearningPlan(
-    seeds=(0,),
-    demonstrations=4,
-    calibration=3,
-    check=3,
-    rounds=2,
-    episodes=2,
-    held_out=2,
-    final=2,
+PLAN = LearningPlan().changed(
+    comparison={"seeds": (0,), "evaluation_episodes": 2, "final_episodes": 2},
+    schedule={
+        "demonstrations": 4,
+        "calibration": 3,
+        "false_alarm_episodes": 3,
+        "rounds": 2,
+        "episodes": 2,
+    },
 )
-CORRIDOR = TaskEntry(
+CORRIDOR = Task(
     name="corridor",
     summary="keep to the middle of a windy corridor",
     variants={"default": Corridor, "final": make_long},

@@ -17,7 +17,7 @@ import tempfile
 import threading
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
@@ -44,7 +44,7 @@ from sheath_manip.protocols import Environment
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import generator, scene_seed
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
@@ -104,16 +104,19 @@ class Pose:
 class Subject:
     """What is photographed."""
 
-    task: TaskEntry
+    task: Task
     checkpoint: Checkpoint | None
     """None: the expert alone"""
     store: Path | None
     """of the episodes that the checkpoint was fitted to"""
 
 
-def trained(task: TaskEntry, folder: Path) -> Subject:
+def trained(task: Task, folder: Path) -> Subject:
     """A policy and its gate from a few demonstrations."""
-    plan = replace(task.plans["quick"], check=1, held_out=1, final=1)
+    plan = task.plans["quick"].changed(
+        schedule={"false_alarm_episodes": 1},
+        comparison={"evaluation_episodes": 1, "final_episodes": 1},
+    )
     store = EpisodeStore.create(folder / "training")
     learning = LearningRun(task, plan, 0, folder, store)
     try:
@@ -123,7 +126,7 @@ def trained(task: TaskEntry, folder: Path) -> Subject:
 
 
 def subject_of(
-    task: TaskEntry, options: argparse.Namespace, environment: Environment, folder: Path
+    task: Task, options: argparse.Namespace, environment: Environment, folder: Path
 ) -> Subject:
     """Read, trained, or the expert."""
     if options.expert:
@@ -153,7 +156,7 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
 
 
 def info_of(
-    task: TaskEntry, environment: Environment, method: str, round: int, index: int
+    task: Task, environment: Environment, method: str, round: int, index: int
 ) -> EpisodeInfo:
     """Of an episode in a scene that no experiment has."""
     return EpisodeInfo(
@@ -167,7 +170,7 @@ def info_of(
     )
 
 
-def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> Subject:
+def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
     """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
     pose = Pose(with_policy=not options.expert)
     shown: Future[Dashboard] = Future()
@@ -290,7 +293,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
         run.result()
 
 
-def recorded(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> None:
+def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
     shelf = Shelf(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()

@@ -3,15 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from sheath_manip.cli.operated import PERSON, Operating
-from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Gate, Listener
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import SCRIPTED, TaskEntry
+from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
@@ -44,8 +44,8 @@ class Run:
     """without gate and expert"""
     dashboard: bool = False
     """show the run in the browser"""
-    operating: Operating = field(default_factory=Operating)
-    address: Address = field(default_factory=Address)
+    operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""
@@ -68,7 +68,7 @@ class Run:
             with self.address.listeners(self.dashboard, environment.spec, session) as listeners:
                 return self._run(task, session, environment, checkpoint, gate, listeners)
 
-    def _with_a_person(self, task: TaskEntry, session: Session) -> int:
+    def _with_a_person(self, task: Task, session: Session) -> int:
         if self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
         from sheath_manip.cli.adjusting import adjusted
@@ -90,7 +90,7 @@ class Run:
 
     def _run(
         self,
-        task: TaskEntry,
+        task: Task,
         session: Session,
         environment: Environment,
         checkpoint: "Checkpoint",

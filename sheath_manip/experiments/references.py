@@ -15,7 +15,7 @@ from sheath_manip.learning.evaluation import evaluate_expert
 from sheath_manip.metrics import figures_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Purpose
 
 
@@ -23,7 +23,7 @@ from sheath_manip.types import Purpose
 class Reference:
     """The job of one of them; resumable."""
 
-    task: TaskEntry
+    task: Task
     plan: LearningPlan
     runs: Path
     name: str
@@ -31,26 +31,28 @@ class Reference:
     def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Act in the expert's place on the final scenes, unless that is done."""
         del listeners
-        path = _path(self.runs, self.name)
+        path, comparison = _path(self.runs, self.name), self.plan.comparison
         if path.exists():
-            for _ in range(self.plan.final):
+            for _ in range(comparison.final_episodes):
                 report(self.name)
             return
-        environment = self.task.make_for_run(self.plan.final_variant, self.plan.seeds[0])
+        environment = self.task.make_for_run(comparison.final_variant, comparison.seeds[0])
         acting = self.task.references[self.name](environment)
-        held_out = self.plan.held_out_set
-        seeds = [scene_seed(Purpose.EVALUATION, held_out, i) for i in range(self.plan.final)]
+        seeds = [
+            scene_seed(Purpose.EVALUATION, comparison.held_out_set, index)
+            for index in range(comparison.final_episodes)
+        ]
         records = evaluate_expert(environment, acting, self.name, seeds, report)
         environment.close()
         write_json(path, plain(asdict(figures_of(records))))
 
 
-def reference_jobs(task: TaskEntry, plan: LearningPlan, runs: Path) -> list[Reference]:
+def reference_jobs(task: Task, plan: LearningPlan, runs: Path) -> list[Reference]:
     """One for each of the task's."""
     return [Reference(task, plan, runs, name) for name in task.references]
 
 
-def references(task: TaskEntry, runs: Path) -> Mapping[str, Any]:
+def references(task: Task, runs: Path) -> Mapping[str, Any]:
     """Figures by name, as far as they are there."""
     paths = {name: _path(runs, name) for name in task.references}
     return {name: json.loads(path.read_text()) for name, path in paths.items() if path.exists()}

@@ -56,7 +56,7 @@ def summarise(
             "experiment": task_name,
             "command": command,
             **program(),
-            "seeds": plan.seeds,
+            "seeds": plan.comparison.seeds,
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
             "metric": metric,

@@ -1,6 +1,7 @@
 """What each verb does where all is well."""
 
 import json
+import os
 import sys
 import types
 from pathlib import Path
@@ -8,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sheath_manip.cli import experiment as experiment_verb
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.gates.plan import PLANS
@@ -61,15 +61,15 @@ def test_collect_keeps_variants_apart(sheath, tmp_path):
 def test_train_says_what_came_of_it(sheath, made, tmp_path):
     checkpoint = tmp_path / "new" / "second.npz"
     options = (
-        "--policy",
+        "--policy.name",
         "hog-svm",
-        "--signal",
+        "--gate.signal",
         "support",
-        "--embedding",
+        "--gate.embedding",
         "pixels",
         "--calibration",
         4,
-        "--nu",
+        "--gate.support.nu",
         0.2,
     )
     code, out, _ = sheath(
@@ -217,8 +217,8 @@ def test_experiment_hands_over_its_settings(sheath, asked):
     assert sheath(*argv, "--workers", 1)[0] == 0
     (call,) = asked
     assert call["task"] is CORRIDOR
-    assert (call["plan"].seeds, call["plan"].rounds) == ((4, 5), 3)
-    assert call["plan"].methods == ("cloning",)
+    assert (call["plan"].comparison.seeds, call["plan"].schedule.rounds) == ((4, 5), 3)
+    assert call["plan"].comparison.methods == ("cloning",)
     assert (call["runs"], call["results"]) == (Path("runs/corridor"), Path("results/corridor"))
     assert (call["workers"], list(call["listeners"])) == (1, [])
     assert call["command"] == (
@@ -238,7 +238,7 @@ def test_experiment_quick_stays_out_of_the_results(sheath, asked):
 
 
 def test_experiment_takes_at_most_the_cores(sheath, asked, monkeypatch):
-    monkeypatch.setattr(experiment_verb.os, "cpu_count", lambda: 1)
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
     assert sheath("experiment", "corridor")[0] == 0
     assert asked[0]["workers"] == 1
 

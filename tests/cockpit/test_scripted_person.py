@@ -14,7 +14,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import SupportGate
 from sheath_manip.policies import make_policy
 from sheath_manip.rollout.loop import rollout
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.entry import DRIVING
 from sheath_manip.tasks.driving.task import DrivingTask
@@ -43,7 +43,7 @@ CALM_STEPS = 4
 
 
 def operated_episode(
-    task: TaskEntry,
+    task: Task,
     inner: ComposerEnvironment,
     in_its_hands: Callable[[Action], Held],
     store: EpisodeStore,

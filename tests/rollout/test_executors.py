@@ -146,7 +146,7 @@ def test_an_error_in_a_worker_is_told_in_one_line(tmp_path):
 
 
 def test_an_episode_that_kills_every_worker_is_given_up():
-    with ProcessExecutor(1) as executor, pytest.raises(WorkerError, match="lost 3 workers.*-9"):
+    with ProcessExecutor(1) as executor, pytest.raises(WorkerError, match=r"lost 3 workers.*-9"):
         list(executor.map(requests(1, Failing(deadly=True))))
 
 

@@ -1,12 +1,12 @@
 """How many nu are tried, and on which of a task's plans."""
 
 import dataclasses
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 METHOD = "sheath"
 
@@ -35,10 +35,12 @@ class NuPlan:
         """As plain values, for summaries."""
         return dataclasses.asdict(self)
 
-    def of(self, task: TaskEntry, nu: float) -> LearningPlan:
+    def of(self, task: Task, nu: float) -> LearningPlan:
         """What runs on `task` for one nu."""
-        plan = replace(task.plans[self.learning], nu=nu, methods=(METHOD,))
-        return plan if self.seeds is None else replace(plan, seeds=self.seeds)
+        plan = task.plans[self.learning].changed(
+            gate={"support": {"nu": nu}}, comparison={"methods": (METHOD,)}
+        )
+        return plan if self.seeds is None else plan.changed(comparison={"seeds": self.seeds})
 
 
 PLANS = {"full": NuPlan(), "quick": NuPlan(learning="nu-quick", nus=(0.05, 0.5))}

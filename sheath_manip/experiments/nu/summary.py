@@ -19,14 +19,14 @@ from sheath_manip.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_results
 from sheath_manip.metrics import record_of
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 
 @dataclass(frozen=True)
 class Setting:
     """One nu on one task."""
 
-    task: TaskEntry
+    task: Task
     nu: float
     plan: LearningPlan
     runs: Path
@@ -34,7 +34,7 @@ class Setting:
     @property
     def seeds(self) -> tuple[int, ...]:
         """Of its training runs."""
-        return self.plan.seeds
+        return self.plan.comparison.seeds
 
 
 def summarise(
@@ -89,7 +89,7 @@ def _learned(at: Setting) -> dict[str, Any]:
 def _table(task: str, found: Mapping[str, Any]) -> Table:
     words = str(found["metric"]).replace("_", "\n")
     grid = Table(
-        title=f"{task}: training seeds {seeds_shown(found['learning']['seeds'])}",
+        title=f"{task}: training seeds {seeds_shown(found['learning']['comparison']['seeds'])}",
         caption="ν: bound on the training states left outside · outside: share of the steps met, "
         "in the first round, the last and all · run: what was executed in all rounds · area: the "
         "policy alone, mean over all rounds · alone: the last one",
