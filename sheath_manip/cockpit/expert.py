@@ -6,9 +6,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.cockpit import Cockpit, Turn
+from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.given import Given
 from sheath_manip.cockpit.guide import Binding
+from sheath_manip.cockpit.state import Turn
 from sheath_manip.protocols import Expert, Follows, TakesOver
 from sheath_manip.types import Action, Observation
 
