@@ -54,7 +54,7 @@ def grasp(running, opened) -> Iterator[OperatedGrasp]:
     opened.keyboard.up("i")
     running.inside = True
     cockpit = running.cockpit
-    cockpit.order(Order.RESET, cockpit.lease.holder or "the test")
+    cockpit.order(Order.RESET, "the test", seen=cockpit.state.stops)
     cockpit.resume()
     # Also where who drove has left without handing back.
     holder = cockpit.lease.holder or "the test"
