@@ -293,6 +293,6 @@ def test_a_killed_browser_leaves_the_robot_holding_within_half_a_second(grasp, o
     holds(grasp, opened)
     # The policy does not go on where a person had thought it wrong; somebody must say so.
     assert eventually(lambda: grasp.cockpit.lease.holder is None)
-    opened.keyboard.press("t")
+    opened.get_by_text("H lets the policy go on").first.wait_for()
     opened.keyboard.press("h")
     grasp.until_turn(Turn.POLICY)

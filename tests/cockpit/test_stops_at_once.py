@@ -47,11 +47,11 @@ def test_no_stop_is_lost_and_nothing_moves_that_nobody_has_reset(monkeypatch):
             pressed.add(seen)
             # Another page may stop meanwhile.
             time.sleep(rng.uniform(0.0, 0.001))
-            if not cockpit.state.stopped and reset.highest < seen:
-                wrong.append(seen)
             # Said before it is done: the loop may look in between.
             reset.add(seen)
-            cockpit.order(Order.RESET, station, seen=seen)
+            newest = cockpit.state.stops
+            if cockpit.order(Order.RESET, station, seen=seen) and newest > seen:
+                wrong.append(newest)
             cockpit.order(Order.RESUME, station, seen=seen)
         cockpit.order(Order.STOP, station)
         pressed.add(cockpit.state.stops)
