@@ -46,5 +46,9 @@ class SetupError(SheathError):
     """Something that the machine lacks: a GL library, a free port, disk."""
 
 
+class UnattendedError(SheathError):
+    """Nobody is left to say what a simulation that cannot hold shall do after a stop or a loss."""
+
+
 class UnscoredError(ParameterError):
     """So many states have no score that no threshold will do."""

@@ -35,7 +35,7 @@ TOY_ROLLOUT = """
 import numpy as np
 from sheath_manip import EpisodeInfo
 from sheath_manip.gates import AlwaysExpert
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import Purpose
 from tests.toy import Corridor, MiddleKeeper
 

@@ -288,8 +288,8 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
             wait_until(lambda: hold(Turn.PERSON), "person", page)
             photograph(page, ("Run", "Support"), f"{task.name}-person", options.out)
         finally:
+            cockpit.end(Ending.SAVE)
             cockpit.close()
-            cockpit.ending = Ending.SAVE
         run.result()
 
 

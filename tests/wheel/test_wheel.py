@@ -20,7 +20,7 @@ PACKAGE = ("sheath_manip", "tasks", "controllers", "assets")
 PUBLIC = """
 import sheath_manip
 from sheath_manip import *
-from sheath_manip.rollout import rollout
+from sheath_manip.rollout.loop import rollout
 print(sheath_manip.__file__, *(name for name in sheath_manip.__all__ if name in globals()))
 """
 
