@@ -23,6 +23,7 @@ from sheath_manip.types import (
     TaskSpec,
     Transition,
 )
+from sheath_manip.types.operator_input import Binding, Given
 from sheath_manip.types.samples import Samples
 from sheath_manip.types.seen import Seen
 
@@ -317,6 +318,33 @@ class Gate(Protocol):
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Decide for one step; `proposal` is None where the policy had nothing valid to say."""
+        ...
+
+
+class Teleop(Protocol):
+    """Turn what a person's devices say into the actions of one task."""
+
+    @property
+    def guide(self) -> tuple[Binding, ...]:
+        """Which keys it knows."""
+        ...
+
+    @property
+    def dead_man(self) -> bool:
+        """Whether the robot holds while no device is held; else to hold none is an action."""
+        ...
+
+    @property
+    def planar(self) -> bool:
+        """Whether what a gizmo moves stays level and at its height."""
+        ...
+
+    def action(self, given: Given) -> Action:
+        """(a,) within the task's bounds, whatever the devices say."""
+        ...
+
+    def tool_pose(self) -> NDArray[np.float64] | None:
+        """(7,) position (m) and wxyz quaternion of what a gizmo moves, None where nothing is."""
         ...
 
 

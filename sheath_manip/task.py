@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.expert import Hands
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.experiments.claims import Claim
 from sheath_manip.experiments.probes import Probes
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.protocols import Environment, Expert
+from sheath_manip.protocols import Environment, Expert, Teleop
 
 SCRIPTED = "scripted"
 """the name of a task's own expert beside its stand-ins"""
@@ -36,7 +35,7 @@ class Task:
     references: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
     """by name, from the environment: who learns nothing, to hold the experiment's methods against
     on the final scenes"""
-    hands: Callable[[Any], Hands] | None = None
+    hands: Callable[[Any], Teleop] | None = None
     """from the environment: how a person's devices drive it; None where nobody can"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
     """by name, from the seed of a training run: all its episodes belong to one scene of the run's

@@ -16,10 +16,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
+from sheath_manip.cockpit.expert import OperatedExpert
 
 from sheath_manip.cockpit import Cockpit, Order
-from sheath_manip.cockpit.cockpit import Turn
-from sheath_manip.cockpit.expert import OperatedExpert
 from sheath_manip.cockpit.gate import PersonGate
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy
@@ -33,7 +32,7 @@ from sheath_manip.tasks.driving.task import Scenario as DrivingScenario
 from sheath_manip.tasks.grasp_clutter.entry import drive_of, hands, hold
 from sheath_manip.tasks.grasp_clutter.task import GraspTask
 from sheath_manip.tasks.grasp_clutter.task import Scenario as GraspScenario
-from sheath_manip.types import EpisodeInfo, Observation, Purpose, Reason, Step
+from sheath_manip.types import Actor, EpisodeInfo, Observation, Purpose, Reason, Step
 from tools.bench import Line, at_most, run_bench
 from tools.page_client import page_clients
 from tools.scripted_person import Absent
@@ -293,7 +292,7 @@ def obedience(sizes: Sizes) -> dict[str, Line]:
         run_until_enough(
             inner,
             gate,
-            OperatedExpert(cockpit, by_hand, dict.fromkeys(Turn, standing)),
+            OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, standing)),
             (Until(page, 1, 1), Pacing()),
             policy=Absent(drive_of(inner).rest),
         )

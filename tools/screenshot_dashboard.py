@@ -31,7 +31,7 @@ from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
 from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.cockpit.cockpit import Ending, Turn
+from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.recorder import Recorder
@@ -263,7 +263,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
                 if crew.cockpit.closed:
                     break
 
-    def hold(turn: Turn) -> bool:
+    def hold(turn: Actor) -> bool:
         """Hold the run in such a turn, so that it is still so in the picture."""
         if cockpit.turn is not turn:
             return False
@@ -279,13 +279,13 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
         cockpit = shown.result()
         try:
             open_dashboard(page, addresses[0])
-            wait_until(lambda: hold(Turn.HOLD), "request for a person", page)
+            wait_until(lambda: hold(Actor.HOLD), "request for a person", page)
             photograph(page, ("Run",), f"{task.name}-asking", options.out)
             cockpit.resume()
             page.keyboard.press("t")
             page.keyboard.down(cockpit.guide[0].codes[0])
             page.wait_for_timeout(DRIVEN_MS)
-            wait_until(lambda: hold(Turn.PERSON), "person", page)
+            wait_until(lambda: hold(Actor.OPERATOR), "person", page)
             photograph(page, ("Run", "Support"), f"{task.name}-person", options.out)
         finally:
             cockpit.end(Ending.SAVE)

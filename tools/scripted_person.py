@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.cockpit.given import DEAD_MAN_BUTTON, Gamepad
 from sheath_manip.controllers.teleop.gamepad import DEAD_ZONE
 from sheath_manip.controllers.teleop.keys import SPEED as KEY_SPEED
 from sheath_manip.protocols import Environment, Expert
 from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Step
+from sheath_manip.types.operator_input import DEAD_MAN_BUTTON, Gamepad
 from tools.station import TIMEOUT_S, Station
 
 

@@ -20,7 +20,6 @@ from pathlib import Path
 import numpy as np
 
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
-from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.recorder import Recorder
@@ -29,7 +28,7 @@ from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.tasks.table import TASKS
-from sheath_manip.types import EpisodeInfo, Purpose
+from sheath_manip.types import Actor, EpisodeInfo, Purpose
 from tools.page_client import page_clients
 from tools.station import Station
 
@@ -119,7 +118,7 @@ def soak(task_name: str, minutes: float, directory: Path, speed: float) -> tuple
                 ),
                 rng=np.random.default_rng(count),
                 policy=scripted,
-                expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Turn, standing)),
+                expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, standing)),
                 listeners=(Recorder(store), page, Pacing(speed)),
             )
             count += 1

@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.controllers.teleop import keys
 from sheath_manip.controllers.teleop.gizmo import pose_of
 from sheath_manip.controllers.teleop.together import Together
 from sheath_manip.types import Action
+from sheath_manip.types.operator_input import Given
 
 
 class ArmHands:

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sheath_manip.cockpit.given import Given
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.types import Action
+from sheath_manip.types.operator_input import Binding, Given
 
 STICK = 0.5
 """of its way, from which on a stick counts as a button"""

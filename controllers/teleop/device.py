@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.given import Given
+from sheath_manip.types.operator_input import Given
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.controllers.teleop.device import NOTHING, Motion, grip_of
+from sheath_manip.types.operator_input import Given
 
 DEAD_ZONE = 0.1
 """of a stick's way, within which a worn one comes to rest"""

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.controllers.teleop.device import NOTHING, Motion
 from sheath_manip.controllers.twist_control import twist_between
+from sheath_manip.types.operator_input import Given
 
 _CATCH_UP_S = 0.25
 """in which the tool would reach the gizmo, if it may go that fast"""

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from sheath_manip.cockpit.given import Given
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.controllers.teleop.device import Motion, grip_of
+from sheath_manip.types.operator_input import Binding, Given
 
 _MOVES = {
     "KeyI": (0, 1.0),

@@ -1,7 +1,7 @@
 """An arm by a cap with six axes, such as a SpaceMouse's."""
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.controllers.teleop.device import NOTHING, Motion, grip_of
+from sheath_manip.types.operator_input import Given
 
 
 class SixAxesDevice:

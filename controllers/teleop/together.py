@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.controllers.teleop.device import Device, Motion
 from sheath_manip.controllers.teleop.gamepad import GamepadDevice
 from sheath_manip.controllers.teleop.gizmo import Gizmo
 from sheath_manip.controllers.teleop.keys import Keys
 from sheath_manip.controllers.teleop.six_axes import SixAxesDevice
+from sheath_manip.types.operator_input import Given
 
 
 class Together:

@@ -10,53 +10,79 @@ from sheath_manip.dashboard.part import Maker
 from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
+from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.learning.fitting import with_nu
-from sheath_manip.learning.training_data import TrainedOn, trained_on
+from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.fitting import Looks, looks_of, with_nu
+from sheath_manip.learning.training_data import load_training_data
+from sheath_manip.protocols import Environment, Gate
+from sheath_manip.rollout.cached_expert import CachedExpert
+from sheath_manip.rollout.request import Crew
+from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types.samples import Samples
+
+
+@dataclass(frozen=True, eq=False)
+class AdjustedPolicy:
+    """A policy under the gate of its checkpoint, whose boundary a person moves while it runs."""
+
+    checkpoint: Path
+    dial: Dial
+    expert: str = SCRIPTED
+
+    def crew(self, task: Task, environment: Environment) -> Crew:
+        """Read the checkpoint, and make its gate and the expert."""
+        checkpoint = load_checkpoint(self.checkpoint, environment.spec)
+        expert = CachedExpert(task.make_expert(environment, self.expert))
+        return Crew(adjustable(checkpoint, self.dial), checkpoint.policy, expert)
 
 
 @dataclass(frozen=True, eq=False)
 class Adjusting:
     """What a run and its page need."""
 
-    gate: Adjustable
+    driver: AdjustedPolicy
     parts: tuple[Maker, ...]
     """of the page"""
     states: Samples | None
     """that the checkpoint was fitted to, where they are known"""
 
 
-def adjusted(checkpoint: Checkpoint, store: Path | None) -> Adjusting:
-    """The gate of `checkpoint`; `store` has the episodes that it was fitted to.
+def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:
+    """Return the checkpoint's gate, at the boundary of `dial` where it has one."""
+    gate = checkpoint.gate()
+    return Adjustable(gate, dial) if isinstance(gate, SupportGate) else gate
 
-    Raises StoreError where `store` is none, and ParameterError where it lacks the episodes.
+
+def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None) -> Adjusting:
+    """Return the sliders for the gate of `checkpoint`, which lies at `path`.
+
+    `store` has the episodes that it was fitted to. Raises StoreError where it is none, and
+    ParameterError where it lacks the episodes.
     """
-    seen = None if store is None else trained_on(EpisodeStore(store), checkpoint)
-    dial = Dial(_boundary(checkpoint, seen))
-    gate = support_gate(checkpoint)
+    fitted = checkpoint.fitted
+    if fitted.signal is None:
+        # There is no boundary to move; what makes the gate says why, if that is wanted.
+        nowhere = Boundary(fitted, 0.0, -1.0, 1.0)
+        return Adjusting(AdjustedPolicy(path, Dial(nowhere)), (), None)
+    data = None if store is None else load_training_data(EpisodeStore(store), checkpoint)
+    looks = (
+        None
+        if data is None
+        else looks_of(fitted.policy, fitted.signal, data.states, data.calibration)
+    )
+    dial = Dial(_boundary(fitted, looks))
     parts: tuple[Maker, ...] = (partial(ThresholdSlider, dial=dial),)
-    nu = checkpoint.signal_choice.hyperparameters.get("nu")
-    if seen is not None and nu is not None:
+    config = fitted.config
+    if looks is not None and config.support_has_nu:
 
         def refit(nu: float) -> Boundary:
-            return _boundary(with_nu(checkpoint, seen.states, seen.calibration, nu), seen)
+            return _boundary(with_nu(fitted, looks, nu), looks)
 
-        parts = (*parts, partial(NuSlider, dial=dial, refit=refit, nu=float(nu)))
-    return Adjusting(Adjustable(gate, dial), parts, None if seen is None else seen.states)
-
-
-def support_gate(checkpoint: Checkpoint) -> SupportGate:
-    """The gate that goes by what the checkpoint learned."""
-    return SupportGate(
-        checkpoint.score,
-        checkpoint.threshold,
-        release_margin=checkpoint.release_margin,
-        why=checkpoint.reason,
-    )
+        parts = (*parts, partial(NuSlider, dial=dial, refit=refit, nu=config.support.nu))
+    return Adjusting(AdjustedPolicy(path, dial), parts, None if data is None else data.states)
 
 
-def _boundary(checkpoint: Checkpoint, seen: TrainedOn | None) -> Boundary:
-    scores = [] if seen is None else [checkpoint.scores(each) for each in seen.calibration]
-    return around(checkpoint.score, checkpoint.threshold, np.concatenate([[], *scores]))
+def _boundary(fitted: FittedGate, looks: Looks | None) -> Boundary:
+    scores = [] if looks is None else [fitted.scores_of(each) for each in looks.calibration]
+    return around(fitted, fitted.threshold, np.concatenate([[], *scores]))

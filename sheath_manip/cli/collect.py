@@ -38,27 +38,23 @@ class Collect:
         # Only now: other verbs need no store.
         from sheath_manip.cli.episodes import opened, print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.gates.constant import AlwaysExpert
+        from sheath_manip.learning.drivers import ExpertAlone
+        from sheath_manip.rollout.request import EpisodeRequest
+        from sheath_manip.rollout.serial import SerialExecutor
 
+        with opened(task, self.variant) as probe:
+            spec = probe.spec
         with (
-            opened(task, self.variant) as environment,
-            self.address.listeners(self.dashboard, environment.spec, session) as listeners,
+            self.address.listeners(self.dashboard, spec, session) as listeners,
             session.progress("demonstrations", self.episodes) as report,
+            SerialExecutor() as executor,
         ):
             store = EpisodeStore.create(self.store)
-            infos = [self._info(environment.spec, index) for index in range(self.episodes)]
+            infos = [self._info(spec, index) for index in range(self.episodes)]
             held = sum(store.has(info) for info in infos)
-            records = list(
-                run_all(
-                    environment,
-                    infos,
-                    AlwaysExpert(),
-                    expert=task.expert(environment),
-                    store=store,
-                    listeners=listeners,
-                    report=report,
-                )
-            )
+            driver = ExpertAlone()
+            requests = [EpisodeRequest(task, self.variant, info, driver) for info in infos]
+            records = list(run_all(executor, requests, store, listeners, report))
         print_figures(records, session)
         outcomes = Counter(record.outcome for record in records)
         counts = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())

@@ -1,15 +1,12 @@
 """Episodes for a verb: run, or read where the store has them; and tables of what they showed."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from functools import partial
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.session import Session
-from sheath_manip.dataset.background import BackgroundRecorder
-from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.metrics import (
     EpisodeRecord,
@@ -18,11 +15,10 @@ from sheath_manip.metrics import (
     limited_share,
     record_of,
 )
-from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
-from sheath_manip.rollout.discarding import until_kept
-from sheath_manip.rollout.loop import rollout
+from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.rollout.executor import Executor, unheard
+from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.task import Task
-from sheath_manip.types import EpisodeInfo
 
 
 @contextmanager
@@ -36,35 +32,16 @@ def opened(task: Task, variant: str, run_seed: int = 0) -> Iterator[Environment]
 
 
 def run_all(
-    environment: Environment,
-    infos: Iterable[EpisodeInfo],
-    gate: Gate,
-    *,
-    policy: Policy | None = None,
-    expert: Expert | None = None,
+    executor: Executor,
+    requests: Iterable[EpisodeRequest],
     store: EpisodeStore | None = None,
     listeners: Sequence[Listener] = (),
-    report: Callable[[str], None] = lambda _: None,
+    report: Report = unheard,
 ) -> Iterator[EpisodeRecord]:
     """Run each episode, or read it where `store` has it; `report` is told each outcome."""
-    with ExitStack() as stack:
-        recorders = [stack.enter_context(BackgroundRecorder(store))] if store else []
-        for info in infos:
-            if store and store.has(info):
-                episode = store.read(episode_name(info), need_images=False)
-            else:
-                attempt = partial(
-                    rollout,
-                    environment,
-                    info,
-                    gate,
-                    policy=policy,
-                    expert=expert,
-                    listeners=(*recorders, *listeners),
-                )
-                episode = until_kept(attempt, info, report)
-            report(str(episode.outcome))
-            yield record_of(episode)
+    for episode in executor.map(requests, store, listeners):
+        report(str(episode.outcome))
+        yield record_of(episode)
 
 
 def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Session) -> None:

@@ -7,8 +7,6 @@ from pathlib import Path
 from sheath_manip.cli.options import TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.learning.config import Comparison
-from sheath_manip.seeding import scene_seed
-from sheath_manip.types import Purpose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,16 +33,29 @@ class Evaluate:
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened, print_figures
         from sheath_manip.learning.checkpoint import digest, load_checkpoint
-        from sheath_manip.learning.evaluation import evaluate_policy
-        from sheath_manip.metrics import figures_of
+        from sheath_manip.learning.drivers import PolicyAlone
+        from sheath_manip.learning.evaluation import evaluation_requests
+        from sheath_manip.metrics import figures_of, record_of
+        from sheath_manip.rollout.serial import SerialExecutor
 
-        with opened(task, self.variant) as environment:
-            checkpoint = load_checkpoint(self.checkpoint, environment.spec)
-            seeds = [
-                scene_seed(Purpose.EVALUATION, self.scenes, index) for index in range(self.episodes)
-            ]
-            with session.progress("held-out scenes", self.episodes) as report:
-                records = evaluate_policy(environment, checkpoint, seeds, report)
+        with opened(task, self.variant) as probe:
+            spec = probe.spec
+        checkpoint = load_checkpoint(self.checkpoint, spec)
+        requests = evaluation_requests(
+            task,
+            self.variant,
+            spec,
+            PolicyAlone(self.checkpoint, digest(self.checkpoint)),
+            self.scenes,
+            self.episodes,
+            method=checkpoint.method,
+            number=checkpoint.round,
+        )
+        with (
+            SerialExecutor() as executor,
+            session.progress("held-out scenes", self.episodes) as report,
+        ):
+            records = [record_of(each) for each in executor.map(requests, report=report)]
         if not self.json:
             print_figures(records, session)
             return 0

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rich.table import Table
 from rich.text import Text
@@ -17,8 +17,11 @@ from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
-from sheath_manip.protocols import Gate, Listener
+from sheath_manip.protocols import Listener
 from sheath_manip.task import SCRIPTED, Task
+
+if TYPE_CHECKING:
+    from sheath_manip.rollout.request import Driver
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +84,7 @@ class Learn(Planned):
                 raise UnknownNameError("expert to learn from", name, (SCRIPTED, PERSON))
         if PERSON in (self.expert, self.demonstrator):
             with self.operating.crew(task, self.address, session) as crew:
-                return self._run(crew.operated(), session, crew.listeners, crew.gate)
+                return self._run(crew.operated(), session, crew.listeners, crew.driver)
         self.operating.require_default()
         with self._page(task, session) as listeners:
             return self._run(task, session, listeners, None)
@@ -99,7 +102,7 @@ class Learn(Planned):
         task: Task,
         session: Session,
         listeners: Sequence[Listener],
-        supervised: Callable[[Gate], Gate] | None,
+        operated: "Callable[[Driver], Driver] | None",
     ) -> int:
         offered = plan_named(task, self.plan)
         comparison = replace(
@@ -113,33 +116,33 @@ class Learn(Planned):
         plan = LearningPlan(policy, self.gate, self.schedule, comparison)
         # Only now: torch takes seconds to import.
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.gates.human import Nobody
         from sheath_manip.learning.methods import method_named
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
+        from sheath_manip.rollout.serial import SerialExecutor
 
         method_named(self.method)
         self.runs.mkdir(parents=True, exist_ok=True)
         require_same_plan(plan.described(), self.runs / "plan.json")
-        with session.progress("episodes and fits", plan.units()) as report:
+        by_hand = operated or _as_it_is
+        with (
+            SerialExecutor() as executor,
+            session.progress("episodes and fits", plan.units()) as report,
+        ):
             learning = LearningRun(
                 task,
                 plan,
                 self.seed,
                 self.runs,
                 EpisodeStore.create(self.runs / "store"),
+                executor,
                 listeners,
                 report,
-                # Who takes over says so at the controls, and needs no gate to ask.
-                person=(lambda _: Nobody()) if self.expert == PERSON else None,
-                supervised=supervised if self.expert == PERSON else None,
-                demonstrated=supervised if self.demonstrator == PERSON else None,
+                supervised=by_hand if self.expert == PERSON else _as_it_is,
+                demonstrated=by_hand if self.demonstrator == PERSON else _as_it_is,
             )
-            try:
-                results = learning.run(self.method)
-            finally:
-                learning.close()
+            results = learning.run(self.method)
         table = Table(box=None, pad_edge=False)
         for heading in ("round", "failed", "expert's share", "labelled states", "alone: failed"):
             table.add_column(heading, justify="right")
@@ -155,6 +158,10 @@ class Learn(Planned):
         last = round_path(self.runs, self.seed, results[-1].method, results[-1].round, "npz")
         session.out.print(Text(f"the last policy and its gate: {last}"))
         return 0
+
+
+def _as_it_is(driver: "Driver") -> "Driver":
+    return driver
 
 
 def _failed(records) -> str:

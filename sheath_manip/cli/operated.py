@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING
 
 from sheath_manip.cli.options import Address
 from sheath_manip.cli.session import Session
-from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
-from sheath_manip.cockpit.cockpit import Turn
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Environment, Expert, Gate, Listener
+from sheath_manip.protocols import Environment, Listener
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
+    from sheath_manip.cockpit.driver import OperatedDriver
     from sheath_manip.dashboard import Dashboard
     from sheath_manip.dashboard.part import Maker
+    from sheath_manip.rollout.request import Driver
 
 PERSON = "person"
 """the name of a person among a task's experts"""
@@ -100,7 +101,7 @@ class Crew:
         return self.listeners[0]  # pyright: ignore[reportReturnType]
 
     def operated(self) -> Task:
-        """The task, with episodes that a person may end and an expert that may be a person."""
+        """The task, with episodes that a person may end."""
         task = self.task
         return replace(
             task,
@@ -108,34 +109,22 @@ class Crew:
             run_variants={
                 name: partial(self._made, make) for name, make in task.run_variants.items()
             },
-            expert=self.expert,
         )
 
     def _made(self, make: Callable[..., Environment], *seed: int) -> OperatedEnvironment:
         return OperatedEnvironment(make(*seed), self.cockpit)
 
-    def expert(self, environment: Environment) -> Expert:
-        """The person, and who acts in its place."""
-        assert isinstance(environment, OperatedEnvironment)
-        inner, task = environment.environment, self.task
-        assert task.hands is not None
-        scripted = task.expert(inner)
-        fallback = self.operating.fallback
-        acting = scripted if fallback == SCRIPTED else task.make_expert(inner, fallback)
-        hold = task.make_expert(inner, HOLD) if self.can_hold else acting
-        stand_ins = {Turn.POLICY: scripted, Turn.FALLBACK: acting, Turn.HOLD: hold}
-        return OperatedExpert(self.cockpit, task.hands(inner), stand_ins)
+    def driver(self, driver: "Driver") -> "OperatedDriver":
+        """Return `driver` with the person beside it."""
+        from sheath_manip.cockpit.driver import OperatedDriver
 
-    def gate(self, gate: Gate) -> PersonGate:
-        """`gate`, whose expert is the person."""
-        return PersonGate(
-            gate,
+        return OperatedDriver(
+            driver,
             self.cockpit,
-            self.spec.control_rate_hz,
+            fallback=self.operating.fallback,
+            hold=HOLD if self.can_hold else None,
             wait_s=self.operating.wait_s,
-            can_hold=self.can_hold,
             dead_man=self.dead_man,
-            fallback_teaches=self.operating.fallback == SCRIPTED,
         )
 
     @property

@@ -6,16 +6,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from sheath_manip.cli.operated import PERSON, Operating
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Environment, Gate, Listener
+from sheath_manip.protocols import Listener
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.learning.checkpoint import Checkpoint
+    from sheath_manip.rollout.request import Driver
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,64 +58,65 @@ class Run:
         if self.trained_on is not None:
             raise ParameterError(f"--trained-on is for a person; wanted --expert {PERSON}")
         # Only now: torch takes seconds to import.
-        from sheath_manip.cli.adjusting import support_gate
-        from sheath_manip.cli.episodes import opened
-        from sheath_manip.gates.constant import AlwaysPolicy
-        from sheath_manip.learning.checkpoint import load_checkpoint
+        from sheath_manip.learning.checkpoint import digest
+        from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 
-        with opened(task, self.variant) as environment:
-            checkpoint = load_checkpoint(self.checkpoint, environment.spec)
-            gate = AlwaysPolicy() if self.policy_alone else support_gate(checkpoint)
-            with self.address.listeners(self.dashboard, environment.spec, session) as listeners:
-                return self._run(task, session, environment, checkpoint, gate, listeners)
+        checkpoint, named = self._checkpoint(task), digest(self.checkpoint)
+        driver: Driver = PolicyAlone(self.checkpoint, named)
+        if not self.policy_alone:
+            # A gate that judges by nothing is no gate: said before anything runs.
+            checkpoint.gate()
+            driver = GatedPolicy(self.checkpoint, named, self.expert)
+        with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
+            return self._run(task, session, checkpoint, driver, listeners)
 
     def _with_a_person(self, task: Task, session: Session) -> int:
         if self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
         from sheath_manip.cli.adjusting import adjusted
+
+        checkpoint = self._checkpoint(task)
+        with session.err.status("reading"):
+            adjusting = adjusted(self.checkpoint, checkpoint, self.trained_on)
+        with self.operating.crew(task, self.address, session, adjusting.parts) as crew:
+            if adjusting.states is not None:
+                crew.page.on_fit(adjusting.states)
+            driver = crew.driver(adjusting.driver)
+            return self._run(crew.operated(), session, checkpoint, driver, crew.listeners)
+
+    def _checkpoint(self, task: Task) -> "Checkpoint":
         from sheath_manip.cli.episodes import opened
         from sheath_manip.learning.checkpoint import load_checkpoint
 
         with opened(task, self.variant) as probe:
-            checkpoint = load_checkpoint(self.checkpoint, probe.spec)
-        with session.err.status("reading"):
-            adjusting = adjusted(checkpoint, self.trained_on)
-        with (
-            self.operating.crew(task, self.address, session, adjusting.parts) as crew,
-            opened(operated := crew.operated(), self.variant) as environment,
-        ):
-            if adjusting.states is not None:
-                crew.page.on_fit(adjusting.states)
-            gate = crew.gate(adjusting.gate)
-            return self._run(operated, session, environment, checkpoint, gate, crew.listeners)
+            return load_checkpoint(self.checkpoint, probe.spec)
 
     def _run(
         self,
         task: Task,
         session: Session,
-        environment: Environment,
         checkpoint: "Checkpoint",
-        gate: Gate,
+        driver: "Driver",
         listeners: Sequence[Listener],
     ) -> int:
         from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.checkpoint import digest
+        from sheath_manip.rollout.request import EpisodeRequest
+        from sheath_manip.rollout.serial import SerialExecutor
 
-        spec, alone = environment.spec, self.policy_alone
-        purpose = Purpose.EVALUATION if alone else Purpose.LEARNING
-        name = SCRIPTED if self.expert == PERSON else self.expert
-        expert = None if alone else task.make_expert(environment, name)
-        stand_in = "" if expert is None or self.expert == SCRIPTED else self.expert
+        spec = spec_of(task)
+        purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
+        fallback = "" if self.policy_alone or self.expert == SCRIPTED else self.expert
         infos = [
             EpisodeInfo(
-                task=spec.name,
+                task=task.name,
                 # Apart from the scenes of any round and any evaluation.
                 seed=scene_seed(purpose, "run", self.seed, index),
                 purpose=purpose,
                 control_rate_hz=spec.control_rate_hz,
-                # What a stand-in does is no demonstration, and must not be taken for one.
-                method="-".join(filter(None, (checkpoint.method or "run", stand_in))),
+                # What a fallback does is no demonstration, and must not be taken for one.
+                method="-".join(filter(None, (checkpoint.method or "run", fallback))),
                 round=checkpoint.round,
                 index=index,
                 run_seed=self.seed,
@@ -122,19 +124,10 @@ class Run:
             )
             for index in range(self.episodes)
         ]
-        with session.progress("episodes", self.episodes) as report:
-            records = list(
-                run_all(
-                    environment,
-                    infos,
-                    gate,
-                    policy=checkpoint.policy,
-                    expert=expert,
-                    store=EpisodeStore.create(self.store) if self.store else None,
-                    listeners=listeners,
-                    report=report,
-                )
-            )
+        requests = [EpisodeRequest(task, self.variant, info, driver) for info in infos]
+        store = EpisodeStore.create(self.store) if self.store else None
+        with SerialExecutor() as executor, session.progress("episodes", self.episodes) as report:
+            records = list(run_all(executor, requests, store, listeners, report))
         print_episodes(records, spec.metric, session)
         print_figures(records, session)
         return 0

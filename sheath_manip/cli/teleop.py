@@ -48,26 +48,30 @@ class Teleop:
         fallback = HOLD if HOLD in task.stand_ins else SCRIPTED
         operating = Operating(fallback, float("inf"), self.speed, self.spacemouse)
         # Only now: other verbs need no store.
-        from sheath_manip.cli.episodes import opened, print_figures, run_all
+        from sheath_manip.cli.episodes import print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.gates.constant import AlwaysExpert
+        from sheath_manip.learning.drivers import ExpertAlone
+        from sheath_manip.rollout.request import EpisodeRequest
+        from sheath_manip.rollout.serial import SerialExecutor
 
         with operating.crew(task, self.address, session) as crew:
             operated = crew.operated()
             start = UntilTaken(crew.cockpit)
-            with opened(operated, self.variant) as environment:
-                store = EpisodeStore.create(self.store)
-                records = []
-                for record in run_all(
-                    environment,
-                    self._infos(environment.spec),
-                    crew.gate(AlwaysExpert()),
-                    expert=operated.expert(environment),
-                    store=store,
-                    listeners=(crew.page, start, *crew.listeners[1:]),
-                    report=lambda word: session.err.print(Text(f"episode: {word}")),
-                ):
-                    records.append(record)
+            store, driver = EpisodeStore.create(self.store), crew.driver(ExpertAlone())
+            requests = [
+                EpisodeRequest(operated, self.variant, info, driver)
+                for info in self._infos(crew.spec)
+            ]
+            with SerialExecutor() as executor:
+                records = list(
+                    run_all(
+                        executor,
+                        requests,
+                        store,
+                        (crew.page, start, *crew.listeners[1:]),
+                        lambda word: session.err.print(Text(f"episode: {word}")),
+                    )
+                )
         print_figures(records, session)
         outcomes = Counter(record.outcome for record in records)
         counts = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())

@@ -19,7 +19,7 @@ from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.dataset.reader import EpisodeReader
-    from sheath_manip.protocols import Policy
+    from sheath_manip.protocols import TrainablePolicy
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
 
@@ -68,7 +68,8 @@ class Train(Planned):
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.dataset.places import open_place
-        from sheath_manip.learning.checkpoint import digest
+        from sheath_manip.gates.fitted import Sources
+        from sheath_manip.learning.checkpoint import Checkpoint, digest
         from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
@@ -78,7 +79,7 @@ class Train(Planned):
         with opened(task, "default") as environment:
             spec = environment.spec
 
-        def fresh_policy() -> "Policy":
+        def fresh_policy() -> "TrainablePolicy":
             return make_policy(config.name, spec, seed=self.seed, **config.settings)
 
         # Before the fit, which takes its time, so that a wrong name is told at once.
@@ -99,29 +100,37 @@ class Train(Planned):
         with session.err.status(f"fitting {config.name} to {len(states)} states"):
             policy.fit(states)
         with session.err.status(f"fitting {self.gate.support.name} on {self.gate.embedding}"):
-            fitted = fit_gate(
+            fit = fit_gate(
                 policy,
                 states,
                 calibration,
                 self.gate,
-                spec.name,
-                policy_name=config.name,
-                run_seed=self.seed,
+                sources=Sources(tuple(training), tuple(held_out)),
                 agreement=lambda: held_out_agreement(
                     fresh_policy, states, tolerance=spec.action.tolerance
                 ),
             )
-        fitted.save(self.checkpoint)
+        Checkpoint(
+            spec.name,
+            config.name,
+            policy,
+            fit.gate,
+            run_seed=self.seed,
+            training_loss=fit.training_loss,
+        ).save(self.checkpoint)
 
-        alarms = [float(np.mean(~(fitted.scores(s) >= fitted.threshold))) for s in calibration]
-        inside = float((fitted.scores(states) >= fitted.threshold).mean())
+        gate, looks = fit.gate, fit.looks
+        alarms = [
+            float(np.mean(~(gate.scores_of(seen) >= gate.threshold))) for seen in looks.calibration
+        ]
+        inside = float((gate.scores_of(looks.states) >= gate.threshold).mean())
         table = Table(title=Text(str(self.checkpoint)), title_justify="left", show_header=False)
         table.box = None
         rows = {
             "trained on": f"{len(states)} states of {len(training)} episodes",
-            "training loss": f"{float(policy.surrogate_losses(states).mean()):.4f}",
+            "training loss": f"{fit.training_loss:.4f}",
             "states that the policy may act in": f"{inside:.1%}",
-            "threshold": f"{fitted.threshold:.4g}",
+            "threshold": f"{gate.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
             f"episodes it was set on; {self.gate.threshold.false_alarm_rate:.1%} asked for",
             "digest": digest(self.checkpoint),

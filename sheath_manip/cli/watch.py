@@ -48,33 +48,33 @@ class Watch:
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.adjusting import adjusted
         from sheath_manip.cli.episodes import opened, run_all
-        from sheath_manip.gates.constant import AlwaysExpert
         from sheath_manip.learning.checkpoint import load_checkpoint
+        from sheath_manip.learning.drivers import ExpertAlone
+        from sheath_manip.rollout.request import Driver, EpisodeRequest
+        from sheath_manip.rollout.serial import SerialExecutor
 
-        with opened(task, self.variant) as environment:
-            policy, gate, adjusting = None, AlwaysExpert(), None
-            if self.checkpoint is not None:
-                checkpoint = load_checkpoint(self.checkpoint, environment.spec)
-                policy = checkpoint.policy
-                with session.err.status("reading"):
-                    adjusting = adjusted(checkpoint, self.store)
-                gate = adjusting.gate
-            parts = () if adjusting is None else adjusting.parts
-            with (
-                self.address.dashboard(environment.spec, session, cockpit, parts) as page,
-                suppress(KeyboardInterrupt),
-            ):
-                if adjusting is not None and adjusting.states is not None:
-                    page.on_fit(adjusting.states)
-                for record in run_all(
-                    environment,
-                    self._infos(environment.spec),
-                    gate,
-                    policy=policy,
-                    expert=task.expert(environment),
-                    listeners=(page, pacing),
-                ):
-                    session.out.print(f"scene {record.seed}: {record.outcome}")
+        with opened(task, self.variant) as probe:
+            spec = probe.spec
+        driver: Driver = ExpertAlone()
+        adjusting = None
+        if self.checkpoint is not None:
+            checkpoint = load_checkpoint(self.checkpoint, spec)
+            with session.err.status("reading"):
+                adjusting = adjusted(self.checkpoint, checkpoint, self.store)
+            driver = adjusting.driver
+        parts = () if adjusting is None else adjusting.parts
+        with (
+            SerialExecutor() as executor,
+            self.address.dashboard(spec, session, cockpit, parts) as page,
+            suppress(KeyboardInterrupt),
+        ):
+            if adjusting is not None and adjusting.states is not None:
+                page.on_fit(adjusting.states)
+            requests = (
+                EpisodeRequest(task, self.variant, info, driver) for info in self._infos(spec)
+            )
+            for record in run_all(executor, requests, listeners=(page, pacing)):
+                session.out.print(f"scene {record.seed}: {record.outcome}")
         return 0
 
     def _infos(self, spec: TaskSpec) -> Iterator[EpisodeInfo]:

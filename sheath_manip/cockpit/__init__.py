@@ -6,18 +6,19 @@ hands them to the `Cockpit`, which follows them at once; the control loop looks 
 
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.environment import OperatedEnvironment
-from sheath_manip.cockpit.expert import OperatedExpert
 from sheath_manip.cockpit.gate import PersonGate
-from sheath_manip.cockpit.given import Gamepad, Given, SixAxes
+from sheath_manip.cockpit.operator import Operator, beside_the_policy
 from sheath_manip.cockpit.orders import Order
+from sheath_manip.types.operator_input import Gamepad, Given, SixAxes
 
 __all__ = [
     "Cockpit",
     "Gamepad",
     "Given",
     "OperatedEnvironment",
-    "OperatedExpert",
+    "Operator",
     "Order",
     "PersonGate",
     "SixAxes",
+    "beside_the_policy",
 ]

@@ -9,19 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.cockpit import transitions
-from sheath_manip.cockpit.given import EMPTY, Given, SixAxes
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
 from sheath_manip.cockpit.orders import Order
 from sheath_manip.cockpit.standing import Ending, Now, Standing
-from sheath_manip.cockpit.state import State, Turn
-from sheath_manip.types import Outcome
+from sheath_manip.cockpit.state import State
+from sheath_manip.types import Actor, Outcome
+from sheath_manip.types.operator_input import EMPTY, Binding, Given, SixAxes
 
 _GLANCE_S = 0.02
 """between two looks at how things stand while the run stands still"""
 _MARKS = {Ending.SUCCESS: Outcome.SUCCESS, Ending.FAILURE: Outcome.FAILURE}
 
-__all__ = ["Cockpit", "Ending", "Now", "State", "Turn"]
+__all__ = ["Cockpit", "Ending", "Now", "State"]
 
 
 class Cockpit:
@@ -166,7 +165,7 @@ class Cockpit:
         """Forget how the last one was ended; who drives drives on, and who holds goes on so."""
         self._follow(transitions.begun)
         self.gated = False
-        self.give_turn(Turn.POLICY)
+        self.give_turn(Actor.POLICY)
 
     @property
     def ending(self) -> Ending | None:
@@ -185,7 +184,7 @@ class Cockpit:
         return self._standing.speed
 
     @property
-    def turn(self) -> Turn:
+    def turn(self) -> Actor:
         """Who acts in this step."""
         return self._acting.turn
 
@@ -218,7 +217,7 @@ class Cockpit:
         )
 
     def give_turn(
-        self, turn: Turn, asking: bool = False, left_s: float = 0.0, still: bool = False
+        self, turn: Actor, asking: bool = False, left_s: float = 0.0, still: bool = False
     ) -> None:
         """Say who acts in this step, and whether the robot asks for a person."""
         before = self._acting

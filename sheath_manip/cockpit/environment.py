@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.standing import Ending
-from sheath_manip.cockpit.state import Turn
 from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.types import (
     Action,
+    Actor,
     Observation,
     Outcome,
     SceneGeom,
@@ -71,12 +71,12 @@ class OperatedEnvironment:
     def _stand_still(self) -> None:
         cockpit, now = self.cockpit, self.cockpit.now()
         while (now.halted or now.abandoned) and now.ending is None:
-            cockpit.give_turn(Turn.HOLD, not now.halted, float("inf"), still=True)
+            cockpit.give_turn(Actor.HOLD, not now.halted, float("inf"), still=True)
             require_attended(now)
             cockpit.rest()
             now = cockpit.now()
         blocked = now.halted or now.abandoned
-        cockpit.give_turn(Turn.HOLD if blocked else Turn.POLICY, still=blocked)
+        cockpit.give_turn(Actor.HOLD if blocked else Actor.POLICY, still=blocked)
 
     def outcome(self) -> Outcome:
         """What the person said it is, else the task."""

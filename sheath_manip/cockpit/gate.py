@@ -7,11 +7,10 @@ import numpy as np
 
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.standing import Now
-from sheath_manip.cockpit.state import Turn
 from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Gate
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 WAIT_S = 10.0
 """for a person, before somebody else acts in its place"""
@@ -70,46 +69,46 @@ class PersonGate:
         self.cockpit.gated = True
         self._waited_s = 0.0
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Ask the gate and the cockpit; blocks only while a simulation cannot hold."""
-        wanted = self.gate.decide(observation, proposed)
+        wanted = self.gate.decide(observation, proposal)
         now = self.cockpit.now()
         turn, reason = self._turn(wanted, now)
-        while turn is Turn.HOLD and not self.can_hold and now.ending is None:
+        while turn is Actor.HOLD and not self.can_hold and now.ending is None:
             require_attended(now)
             rested_s = self.cockpit.rest()
             self._waited_s += rested_s * (reason is Reason.WAITING)
             now = self.cockpit.now()
             turn, reason = self._turn(wanted, now)
         self._waited_s += self._period_s * (reason is Reason.WAITING)
-        if turn is Turn.POLICY:
+        if turn is Actor.POLICY:
             # Nobody can be asked for a label without driving.
             return replace(wanted, query=False)
-        teaches = turn is Turn.PERSON or (turn is Turn.FALLBACK and self.fallback_teaches)
-        return GateDecision(Actor.EXPERT, teaches, reason, wanted.score, wanted.threshold)
+        teaches = turn is Actor.OPERATOR or (turn is Actor.FALLBACK and self.fallback_teaches)
+        return GateDecision(turn, teaches, reason, wanted.score, wanted.threshold)
 
-    def _turn(self, wanted: GateDecision, now: Now) -> tuple[Turn, Reason]:
+    def _turn(self, wanted: GateDecision, now: Now) -> tuple[Actor, Reason]:
         turn, reason = self._whose(wanted, now)
         if now.must_hold or reason not in (Reason.WAITING, Reason.NO_ANSWER):
             self._waited_s = 0.0
         asking = reason in (Reason.WAITING, Reason.NO_ANSWER)
         left_s = math.inf if now.must_hold else max(0.0, self.wait_s - self._waited_s)
-        still = turn is Turn.HOLD and not self.can_hold
+        still = turn is Actor.HOLD and not self.can_hold
         self.cockpit.give_turn(turn, asking, left_s, still)
         return turn, reason
 
-    def _whose(self, wanted: GateDecision, now: Now) -> tuple[Turn, Reason]:
+    def _whose(self, wanted: GateDecision, now: Now) -> tuple[Actor, Reason]:
         if now.must_hold:
-            return Turn.HOLD, Reason.EMERGENCY_STOP if now.halted else Reason.WAITING
+            return Actor.HOLD, Reason.EMERGENCY_STOP if now.halted else Reason.WAITING
         if now.given is not None:
             if now.given.held or not self.dead_man:
-                return Turn.PERSON, Reason.PERSON
-            return Turn.HOLD, Reason.IDLE
+                return Actor.OPERATOR, Reason.PERSON
+            return Actor.HOLD, Reason.IDLE
         if wanted.actor is Actor.POLICY:
-            return Turn.POLICY, wanted.reason
+            return Actor.POLICY, wanted.reason
         if self._waited_s < self.wait_s and not self._in_vain(now):
-            return Turn.HOLD, Reason.WAITING
-        return Turn.FALLBACK, Reason.NO_ANSWER
+            return Actor.HOLD, Reason.WAITING
+        return Actor.FALLBACK, Reason.NO_ANSWER
 
     def _in_vain(self, now: Now) -> bool:
         """Whether to wait is pointless: nobody can come, and no time passes meanwhile."""

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.given import EMPTY, Given
+from sheath_manip.types.operator_input import EMPTY, Given
 
 LOST_AFTER_S = 0.4
 """without a heartbeat the operator's input counts as empty; with a control period of .1 s on top

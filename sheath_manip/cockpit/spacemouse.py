@@ -7,8 +7,8 @@ from typing import Any, Self
 import numpy as np
 
 from sheath_manip.cockpit.cockpit import Cockpit
-from sheath_manip.cockpit.given import SixAxes
 from sheath_manip.exceptions import SetupError
+from sheath_manip.types.operator_input import SixAxes
 
 DEAD_ZONE = 0.08
 """of each axis' way, which a cap at rest does not leave"""

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.cockpit.lease import NOBODY, Lease
+from sheath_manip.types.operator_input import Given
 
 
 class Ending(StrEnum):

@@ -1,9 +1,8 @@
 """A listener that lets an episode begin only when a person has taken over."""
 
 from sheath_manip.cockpit.cockpit import Cockpit
-from sheath_manip.cockpit.state import Turn
 from sheath_manip.protocols import Environment
-from sheath_manip.types import Episode, EpisodeInfo, Step
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
 
 
@@ -20,7 +19,7 @@ class UntilTaken:
         """Wait for the person; not for one who will never come, since the page is gone."""
         del environment, info
         while not (self.cockpit.now().taken or self.cockpit.closed):
-            self.cockpit.give_turn(Turn.HOLD, asking=True, left_s=float("inf"))
+            self.cockpit.give_turn(Actor.HOLD, asking=True, left_s=float("inf"))
             self.cockpit.rest()
 
     def on_step(self, environment: Environment, step: Step) -> None:

@@ -1,16 +1,8 @@
 """What the page shows of the cockpit."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 
-
-class Turn(StrEnum):
-    """Who acts in a step."""
-
-    POLICY = "policy"
-    PERSON = "person"
-    HOLD = "hold"
-    FALLBACK = "fallback"
+from sheath_manip.types import Actor
 
 
 @dataclass(frozen=True)
@@ -27,7 +19,7 @@ class State:
     taken: bool = False
     abandoned: bool = False
     """whether who drove was lost or stopped: the robot holds until somebody says who goes on"""
-    turn: Turn = Turn.POLICY
+    turn: Actor = Actor.POLICY
     asking: bool = False
     """whether the robot waits for a person"""
     left_s: float = 0.0

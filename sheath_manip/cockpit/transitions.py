@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.given import Given
 from sheath_manip.cockpit.lease import NOBODY, Lease
 from sheath_manip.cockpit.orders import OF_ANY_RUN, Order, clamped_speed
 from sheath_manip.cockpit.standing import Ending, Standing
+from sheath_manip.types.operator_input import Given
 
 MOST_STEPS = 64
 """single ones that a paused run may still have to do"""

@@ -98,7 +98,7 @@ function (settings) {
       say(`Nobody came, so the ${state.stand_in} acts. Take over with T.${paused}`, "#d55e00");
     else if (alone) say(`The robot holds and asks for you: take over with T.${wait}${paused}`, "#d55e00");
     else if (state.others) say(`Another page drives; you watch. Space stops the robot.${paused}`, "#6e747c");
-    else if (state.mine && state.turn !== "person")
+    else if (state.mine && state.turn !== "operator")
       say(`You have taken over; the robot holds until you move it. H hands back.${paused}`, "#008764");
     else if (state.mine) say(`You drive. H hands back, Space stops.${paused}`, "#008764");
     else say(paused.trim(), "#6e747c");

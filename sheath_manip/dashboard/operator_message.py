@@ -6,7 +6,7 @@ import msgspec
 from msgspec import Meta
 
 from sheath_manip.cockpit import Gamepad, Given, Order
-from sheath_manip.cockpit.given import MOST_KEYS
+from sheath_manip.types.operator_input import MOST_KEYS
 
 LONGEST_MESSAGE = 2048
 """bytes; a page's own have a tenth of it"""

@@ -26,6 +26,7 @@ from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.executors import run_jobs
+from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 from sheath_manip.types import Purpose
 
@@ -46,14 +47,14 @@ class Job:
     def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do what is not done yet."""
         store = EpisodeStore(self.runs / "store")
-        learning = LearningRun(self.task, self.plan, self.seed, self.runs, store, listeners, report)
-        try:
+        with SerialExecutor() as executor:
+            learning = LearningRun(
+                self.task, self.plan, self.seed, self.runs, store, executor, listeners, report
+            )
             if self.method == PREPARE:
                 learning.prepare()
             else:
                 learning.run(self.method)
-        finally:
-            learning.close()
 
 
 def run_experiment(
@@ -82,7 +83,7 @@ def run_experiment(
         if name not in known:
             raise UnknownNameError("figure", name, known)
     for name in plan.comparison.methods:
-        follows = method_named(name).follows
+        follows = method_named(name).share_from
         if follows is not None and follows not in plan.comparison.methods:
             raise ParameterError(f"method {name} follows {follows}: add {follows} to the methods")
     runs.mkdir(parents=True, exist_ok=True)
@@ -115,9 +116,9 @@ def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
     plan = done.plan
     methods = [method_named(name) for name in plan.comparison.methods]
     wanted = None if done.method == PREPARE else done.method
-    ready = [method.name for method in methods if method.follows == wanted]
+    ready = [method.name for method in methods if method.share_from == wanted]
     # What others wait for goes first.
-    ready.sort(key=lambda name: all(method.follows != name for method in methods))
+    ready.sort(key=lambda name: all(method.share_from != name for method in methods))
     return [Job(done.task, plan, done.runs, done.seed, name) for name in ready]
 
 

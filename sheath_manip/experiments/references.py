@@ -1,4 +1,4 @@
-"""Who learns nothing, on the final scenes: what the methods' last policies have to be held against.
+"""Non-learning baselines, evaluated on the final scenes for comparison.
 
 Such as a way that was planned once and is followed without looking.
 """
@@ -9,14 +9,26 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from sheath_manip.gates import AlwaysExpert
 from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.evaluation import evaluate_expert
-from sheath_manip.metrics import figures_of
-from sheath_manip.protocols import Listener, Report
-from sheath_manip.seeding import scene_seed
+from sheath_manip.learning.evaluation import evaluation_requests
+from sheath_manip.metrics import figures_of, record_of
+from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.rollout.request import Crew
+from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
-from sheath_manip.types import Purpose
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """One of the task's baselines, which learns nothing."""
+
+    name: str
+
+    def crew(self, task: Task, environment: Environment) -> Crew:
+        """Have it act at every step."""
+        return Crew(AlwaysExpert(), expert=task.references[self.name](environment))
 
 
 @dataclass(frozen=True)
@@ -36,14 +48,21 @@ class Reference:
             for _ in range(comparison.final_episodes):
                 report(self.name)
             return
-        environment = self.task.make_for_run(comparison.final_variant, comparison.seeds[0])
-        acting = self.task.references[self.name](environment)
-        seeds = [
-            scene_seed(Purpose.EVALUATION, comparison.held_out_set, index)
-            for index in range(comparison.final_episodes)
-        ]
-        records = evaluate_expert(environment, acting, self.name, seeds, report)
+        run_seed = comparison.seeds[0]
+        environment = self.task.make_for_run(comparison.final_variant, run_seed)
         environment.close()
+        requests = evaluation_requests(
+            self.task,
+            comparison.final_variant,
+            environment.spec,
+            Baseline(self.name),
+            comparison.held_out_set,
+            comparison.final_episodes,
+            method=self.name,
+            run_seed=run_seed,
+        )
+        with SerialExecutor() as executor:
+            records = [record_of(each) for each in executor.map(requests, report=report)]
         write_json(path, plain(asdict(figures_of(records))))
 
 

@@ -68,6 +68,11 @@ class GateConfig:
         used = {name: getattr(other, name) for name in USED}
         return dataclasses.replace(self, **used) == other
 
+    @property
+    def support_has_nu(self) -> bool:
+        """Whether its support estimator knows a nu."""
+        return "nu" in support_hyperparameters(self.support)
+
     def described(self) -> dict[str, Any]:
         """Return plain values, nested, that JSON keeps; `from_described` takes them back."""
         return dataclasses.asdict(self)

@@ -13,7 +13,7 @@ import zipfile
 import zlib
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,10 @@ class Checkpoint:
     def threshold(self) -> float:
         """The score below which the expert takes over."""
         return self.fitted.threshold
+
+    def with_threshold(self, threshold: float) -> Self:
+        """Return the same with another threshold."""
+        return replace(self, fitted=replace(self.fitted, threshold=threshold))
 
     def gate(self, *, expert_share: float | None = None, person: Person | None = None) -> Gate:
         """Return its gate, with the settings that it was trained with: the only way to one.

@@ -147,7 +147,7 @@ class Checkpoints:
     ) -> Checkpoint:
         sources = Sources(tuple(names), self.held_out)
         if plan.gate.kind in LOOKING:
-            fitted, loss = fit_gate(
+            fit = fit_gate(
                 policy,
                 states,
                 self.calibration,
@@ -162,6 +162,7 @@ class Checkpoints:
                 previous=previous,
                 visited=visited,
             )
+            fitted, loss = fit.gate, fit.training_loss
         else:
             fitted = FittedGate(plan.gate, policy, sources=sources)
             losses = look(policy, states).losses

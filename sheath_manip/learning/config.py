@@ -35,11 +35,6 @@ class Schedule:
     """with which DAgger's mixture decays: in round i the expert acts with probability beta^i"""
     alpha: float = 0.1
     """SMILe's share of the newest policy in what was the expert's"""
-    refit_unused: bool = True
-    """fit the signal anew each round also for methods whose gate looks at none; else theirs stays
-    that of the demonstrations, and only xi and the false alarms, which are measured with it, notice
-    (of the platformer's CPU time it takes the largest part); through an embedding that the refitted
-    policy changes, those of such a method mean nothing"""
     variant: str = "default"
     """of the task, to learn and be judged on; one of its `run_variants` is made for each run"""
 

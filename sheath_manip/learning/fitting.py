@@ -38,6 +38,20 @@ class Looks:
     """all states of the last round's episodes, where a budget asks for them"""
 
 
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A gate, and what was looked at for it."""
+
+    gate: FittedGate
+    looks: Looks
+
+    @property
+    def training_loss(self) -> float:
+        """Mean surrogate loss of the policy on its training states, which the same look shows."""
+        assert self.looks.states.losses is not None
+        return float(np.mean(self.looks.states.losses))
+
+
 def looks_of(
     policy: TrainablePolicy,
     signal: Signal,
@@ -49,7 +63,7 @@ def looks_of(
     readers = signal.attach(policy)
     return Looks(
         np.asarray(states.labels),
-        look_to_fit(policy, states, signal),
+        look_to_fit(policy, states, readers, signal.uses_displaced),
         [look(policy, episode, readers) for episode in calibration],
         None if visited is None else look(policy, visited, readers),
     )
@@ -65,11 +79,10 @@ def fit_gate(
     agreement: Agreement | None = None,
     previous: FittedGate | None = None,
     visited: Samples | None = None,
-) -> tuple[FittedGate, float]:
+) -> Fit:
     """Fit the signal of `config` to the policy's training `states`, and calibrate the threshold.
 
-    Where too many states have no score for any threshold, the gate takes none for inside. Returns
-    the gate and the policy's mean surrogate loss on `states`, which the same look shows.
+    Where too many states have no score for any threshold, the gate takes none for inside.
 
     Args:
         policy: fitted to `states`.
@@ -88,8 +101,7 @@ def fit_gate(
     fitted = fit_to_looks(
         policy, signal, looks, config, sources=sources, agreement=agreement, previous=previous
     )
-    assert looks.states.losses is not None
-    return fitted, float(np.mean(looks.states.losses))
+    return Fit(fitted, looks)
 
 
 def fit_to_looks(

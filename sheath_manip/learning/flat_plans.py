@@ -34,7 +34,6 @@ PLACES: dict[str, tuple[str, ...]] = {
     "stop_below_loss": ("schedule", "stop_below_loss"),
     "beta": ("schedule", "beta"),
     "alpha": ("schedule", "alpha"),
-    "refit_unused": ("schedule", "refit_unused"),
     "variant": ("schedule", "variant"),
     "methods": ("comparison", "methods"),
     "seeds": ("comparison", "seeds"),
@@ -44,6 +43,8 @@ PLACES: dict[str, tuple[str, ...]] = {
     "held_out_set": ("comparison", "held_out_set"),
 }
 """by the flat name, where the setting stands now"""
+DROPPED = ("refit_unused",)
+"""settings that there are no more: no signal is fitted that no gate reads"""
 
 
 def upgraded(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -66,6 +67,8 @@ def _is_flat(content: Mapping[str, Any]) -> bool:
 def _nested(content: Mapping[str, Any]) -> dict[str, Any]:
     nested = plain(LearningPlan().described())
     for name, value in content.items():
+        if name in DROPPED:
+            continue
         if name not in PLACES:
             raise ParameterError(f"unknown setting {name!r} in a plan of before; remove it")
         *path, last = PLACES[name]

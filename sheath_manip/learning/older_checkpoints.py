@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.exceptions import CheckpointError, SheathError
+from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.flat_plans import upgraded
 from sheath_manip.learning.methods import METHODS
 
 PLAN = "plan.json"
@@ -27,7 +29,8 @@ def header_of_schema_2(path: Path, header: dict[str, Any]) -> dict[str, Any]:
             f"{PLAN} of its run lies beside it; wanted it where the run wrote it: or train again"
         )
     try:
-        plan = LearningPlan.from_described(json.loads(found.read_text()))
+        written = upgraded(json.loads(found.read_text()))
+        plan = LearningPlan(gate=GateConfig.from_described(written["gate"]))
         if header["method"] in METHODS:
             plan = METHODS[header["method"]].plan(plan)
         signal = header["signal"]

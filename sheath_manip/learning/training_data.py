@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
+from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.support.calibration import LEAST_EPISODES
-from sheath_manip.types import Purpose
 from sheath_manip.types.samples import Samples, samples_from
 
 
 @dataclass(frozen=True, eq=False)
-class TrainedOn:
+class TrainingData:
     """States with their images."""
 
     states: Samples
@@ -20,46 +18,26 @@ class TrainedOn:
     """expert episodes that were held out, one each"""
 
 
-def trained_on(reader: EpisodeReader, checkpoint: Checkpoint) -> TrainedOn:
-    """What `checkpoint` saw of the episodes in `reader`.
+def load_training_data(reader: EpisodeReader, checkpoint: Checkpoint) -> TrainingData:
+    """Read what `checkpoint` was fitted to, by the names that it has kept.
 
-    Of a learning run: its demonstrations and its own rounds, as far as they went. Where no episodes
-    were recorded for calibration, the last demonstrations are the held-out ones, as with
-    `sheath train`. Raises ParameterError where there are too few, or none of the task.
+    Raises ParameterError where it has kept none, or `reader` lacks one of them.
     """
-    summaries = [each for each in reader.infos() if each.info.task == checkpoint.task]
-    runs = {each.info.run_seed for each in summaries}
-    if checkpoint.run_seed in runs:
-        summaries = [s for s in summaries if s.info.run_seed == checkpoint.run_seed]
-    by_purpose = {
-        purpose: sorted((each for each in summaries if each.info.purpose is purpose), key=_order)
-        for purpose in Purpose
-    }
-    demonstrations, held_out = by_purpose[Purpose.DEMONSTRATION], by_purpose[Purpose.CALIBRATION]
-    if not held_out:
-        demonstrations, held_out = (
-            demonstrations[:-LEAST_EPISODES],
-            demonstrations[-LEAST_EPISODES:],
-        )
-    if not demonstrations or len(held_out) < LEAST_EPISODES:
+    sources = checkpoint.fitted.sources
+    if not sources.fitted_to:
         raise ParameterError(
-            f"{reader.address} has {len(demonstrations)} demonstrations of {checkpoint.task} to "
-            f"train on and {len(held_out)} held out; wanted at least 1 and {LEAST_EPISODES}: give "
-            "the store that the checkpoint was trained on"
+            "the checkpoint does not say which episodes it was fitted to; wanted one that this "
+            "version wrote: train again"
         )
-    rounds = [
-        each
-        for each in by_purpose[Purpose.LEARNING]
-        if each.info.method == checkpoint.method
-        and each.info.round <= checkpoint.round
-        and each.queries
-    ]
-    names = [each.name for each in (*demonstrations, *rounds)]
-    return TrainedOn(
-        samples_from(reader.learnable(names)),
-        [samples_from(reader.learnable([each.name])) for each in held_out],
+    there = {summary.name for summary in reader.infos()}
+    wanted = (*sources.fitted_to, *sources.held_out)
+    missing = [name for name in wanted if name not in there]
+    if missing:
+        raise ParameterError(
+            f"{reader.address} lacks {len(missing)} of the {len(wanted)} episodes that the "
+            f"checkpoint was fitted to, such as {missing[0]}: give the store that it was trained on"
+        )
+    return TrainingData(
+        samples_from(reader.learnable(sources.fitted_to)),
+        [samples_from(reader.learnable([name])) for name in sources.held_out],
     )
-
-
-def _order(summary: EpisodeSummary) -> tuple[int, int, str]:
-    return summary.info.round, summary.info.index, summary.name

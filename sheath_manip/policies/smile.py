@@ -95,7 +95,7 @@ class SmileMixture:
         same = (said[:, None] == said[None]).all(axis=3)
         support = np.einsum("j,ijn->in", weights, same)
         likeliest = said[support.argmax(axis=0), np.arange(said.shape[1])]
-        latents = {"members": said.swapaxes(0, 1)}
+        latents: dict[str, NDArray] = {"members": said.swapaxes(0, 1)}
         if self.spec.action.choices is not None:
             latents["choice scores"] = self._chances(said)
         return Proposal(likeliest, latents)

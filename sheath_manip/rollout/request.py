@@ -24,14 +24,13 @@ class Crew:
 
 
 class Driver(Protocol):
-    """Says as a value what drives an episode: equal drivers make equal crews, in any process."""
+    """Says as a value what drives an episode: equal drivers make equal crews, in any process.
+
+    Drivers are compared, not hashed.
+    """
 
     def crew(self, task: Task, environment: Environment) -> Crew:
         """Make everyone who may act in `environment`; what is named is read from the disk."""
-        ...
-
-    def __hash__(self) -> int:
-        """Equal for equal drivers: frozen dataclasses do."""
         ...
 
 

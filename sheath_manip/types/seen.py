@@ -1,7 +1,8 @@
 """States as a policy saw them: looked at once, for all who want to know something of them."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,8 @@ class Seen:
     """(n, f) as observed"""
     actions: NDArray[np.float32]
     """(n, a) what the policy would do"""
-    readings: Mapping[Hashable, NDArray[np.float32]]
-    """(n, d) what each reader took of the looks"""
+    readings: Mapping[Any, NDArray[np.float32]]
+    """(n, d) what each reader took of the looks; keyed by readers, which are hashable values"""
     losses: NDArray[np.float32] | None = None
     """(n,) how far the actions are from their labels, NaN where there is none; None: not asked"""
     displaced: "Seen | None" = None
@@ -25,7 +26,7 @@ class Seen:
     def __len__(self) -> int:
         return len(self.actions)
 
-    def of(self, readers: Sequence[Hashable]) -> NDArray[np.float32]:
+    def of(self, readers: Sequence[Any]) -> NDArray[np.float32]:
         """(n, d) what these readers took, side by side."""
         taken = [self.readings[reader] for reader in readers]
         return taken[0] if len(taken) == 1 else np.concatenate(taken, axis=1)

@@ -67,7 +67,6 @@ _FULL = LearningPlan(
         false_alarm_episodes=8,
         rounds=5,
         episodes=10,
-        refit_unused=False,
     ),
     comparison=Comparison(evaluation_episodes=6, final_episodes=40),
 )

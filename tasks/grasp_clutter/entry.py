@@ -73,7 +73,6 @@ _FULL = LearningPlan(
         false_alarm_episodes=10,
         rounds=6,
         episodes=16,
-        refit_unused=False,
         variant="medium",
     ),
     comparison=Comparison(evaluation_episodes=10, final_episodes=100, final_variant="medium"),

@@ -115,7 +115,7 @@ _LINEAR = LearningPlan(
         threshold=ThresholdConfig(false_alarm_rate=0.19),
     ),
     # Fitting a signal takes most of a round's time, and DAgger's gate looks at none.
-    schedule=Schedule(refit_unused=False),
+    schedule=Schedule(),
 )
 # As in the draft: a stage for each run, a demonstration more than one so that C can be chosen by
 # cross-validation, and 10 rounds of one episode. Starts differ in the first two tiles only, so that

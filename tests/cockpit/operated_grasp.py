@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
-from sheath_manip.cockpit.cockpit import Ending, Turn
+from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import SupportGate
 from sheath_manip.rollout.loop import rollout
@@ -19,7 +19,7 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.entry import drive_of, hands, hold
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
-from sheath_manip.types import Action, EpisodeInfo, Observation, Purpose, Step
+from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Purpose, Step
 from tests.waiting import DEADLINE_S, eventually
 
 INFO = EpisodeInfo("grasp-clutter", 5, Purpose.LEARNING, 20.0, method="sheath")
@@ -36,11 +36,11 @@ class OperatedGrasp:
     inside: bool = True
     """what the gate says"""
     steps: list[Step] = field(default_factory=list)
-    turns: list[tuple[float, Turn]] = field(default_factory=list)
+    turns: list[tuple[float, Actor]] = field(default_factory=list)
     """when, and whose"""
     tool_m: NDArray = field(default_factory=lambda: np.zeros(3))
 
-    def until_turn(self, turn: Turn) -> None:
+    def until_turn(self, turn: Actor) -> None:
         """Wait until it is so, in a step that begins from now on."""
         before = len(self.turns)
         assert eventually(lambda: len(self.turns) > before + 1 and self.turns[-1][1] is turn), (
@@ -102,7 +102,7 @@ def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
                     PersonGate(SupportGate(grasp.score, 0.0), cockpit, 20.0, wait_s=wait_s),
                     rng=np.random.default_rng(0),
                     policy=Idle(drive_of(inner).rest),
-                    expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Turn, standing)),
+                    expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, standing)),
                     listeners=(page, grasp, Pacing(times=lambda: cockpit.speed)),
                 )
         except BaseException as error:

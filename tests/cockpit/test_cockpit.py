@@ -7,11 +7,11 @@ import pytest
 
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
 from sheath_manip.cockpit.cockpit import Ending
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
 from sheath_manip.cockpit.transitions import MOST_STEPS
 from sheath_manip.types import Outcome
+from sheath_manip.types.operator_input import Binding
 
 GUIDE = (Binding(("KeyI",), "on"),)
 KEYS = Given(keys=frozenset({"KeyI"}))

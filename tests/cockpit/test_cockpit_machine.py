@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from sheath_manip.cockpit import Cockpit, Given, Order, PersonGate
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
-from sheath_manip.cockpit.state import Turn
 from sheath_manip.exceptions import UnattendedError
 from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.types.operator_input import Binding
 from tests.cockpit.test_cockpit import Clock
 
 SEQUENCES = int(os.environ.get("SHEATH_COCKPIT_SEQUENCES", "40"))
@@ -265,20 +264,20 @@ class CockpitMachine(RuleBasedStateMachine):
             event(ended.__name__)
             assert not self.can_hold
             assert self.closed is (ended is UnattendedError)
-            assert self.cockpit.turn is Turn.HOLD
+            assert self.cockpit.turn is Actor.HOLD
             return
         turn = self.cockpit.turn
         event(f"{turn}, {'stopped' if self.stopped else 'lost' if self.lost else 'else'}")
         if must_hold:
-            assert turn is Turn.HOLD
+            assert turn is Actor.HOLD
             # And what cannot hold moves not even for one last step.
             assert self.can_hold or self.cockpit.still
-        if turn is Turn.PERSON:
+        if turn is Actor.OPERATOR:
             assert alive
             assert self.held is KEY
             assert self.cockpit.given.keys == KEY.keys
         if self.driver is not None:
-            assert turn in (Turn.PERSON, Turn.HOLD)
+            assert turn in (Actor.OPERATOR, Actor.HOLD)
         self.steps_done += 1
         self.clock.s += 1 / RATE_HZ
         self._age()

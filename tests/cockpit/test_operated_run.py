@@ -13,7 +13,6 @@ from sheath_manip.cockpit import (
     Order,
     PersonGate,
 )
-from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.cockpit.lease import LOST_AFTER_S
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
@@ -53,7 +52,7 @@ class Page:
     def __init__(self, cockpit: Cockpit, clock: Clock, script: Script) -> None:
         self.cockpit, self.clock, self.script = cockpit, clock, script
         self.steps = 0
-        self.turns: list[Turn] = []
+        self.turns: list[Actor] = []
 
     def on_fit(self, states) -> None:
         del states
@@ -91,9 +90,9 @@ def run(
     standing = hold(environment)
     scripted = MiddleKeeper(environment)
     stand_ins = {
-        Turn.POLICY: scripted,
-        Turn.HOLD: standing,
-        Turn.FALLBACK: scripted if fallback is None else fallback,
+        Actor.POLICY: scripted,
+        Actor.HOLD: standing,
+        Actor.FALLBACK: scripted if fallback is None else fallback,
     }
     page = Page(cockpit, clock, script)
     episode = until_kept(
@@ -126,7 +125,7 @@ def test_nobody_comes_so_the_robot_holds_and_then_the_fallback_acts():
     waited = [Reason.WAITING] * 3
     assert reasons(episode)[3:9] == [*waited, *[Reason.NO_ANSWER] * 3]
     assert set(reasons(episode)[:3] + reasons(episode)[9:]) == {Reason.INSIDE}
-    assert page.turns[3:9] == [Turn.HOLD] * 3 + [Turn.FALLBACK] * 3
+    assert page.turns[3:9] == [Actor.HOLD] * 3 + [Actor.FALLBACK] * 3
     held = episode.steps[3]
     assert held.decision.actor is Actor.EXPERT
     assert held.executed == 0
@@ -152,7 +151,7 @@ def test_the_person_answers_drives_and_hands_back():
     }
     episode, page = run(script, outside_between(3, 6), wait_s=1.0)
     assert reasons(episode)[3:8] == [*[Reason.WAITING] * 2, *[Reason.PERSON] * 2, Reason.INSIDE]
-    assert page.turns[5:7] == [Turn.PERSON] * 2
+    assert page.turns[5:7] == [Actor.OPERATOR] * 2
     for step in episode.steps[5:7]:
         assert step.label == step.executed == pytest.approx(-0.3)
         assert step.decision.actor is Actor.EXPERT
@@ -181,9 +180,9 @@ def test_without_a_dead_man_to_press_nothing_is_an_action():
 
 def test_after_a_lost_heartbeat_the_robot_holds_and_nobody_acts_of_itself():
     episode, page = run({2: take}, AlwaysPolicy(), steps=400, wait_s=1.0)
-    drove = page.turns.count(Turn.PERSON)
+    drove = page.turns.count(Actor.OPERATOR)
     assert drove * PERIOD_S == pytest.approx(LOST_AFTER_S, abs=2 * PERIOD_S)
-    assert set(page.turns[2 + drove :]) == {Turn.HOLD}
+    assert set(page.turns[2 + drove :]) == {Actor.HOLD}
     assert set(reasons(episode)[2 + drove :]) == {Reason.WAITING}
     assert episode.outcome is Outcome.SUCCESS
 
@@ -192,11 +191,11 @@ def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on
     clock = Clock()
     cockpit = Cockpit(hands(Corridor()).guide, clock)
     environment = Corridor()
-    stand_ins = dict.fromkeys(Turn, hold(environment))
+    stand_ins = dict.fromkeys(Actor, hold(environment))
     page = Page(cockpit, clock, {4: lambda page: page.leave("page")})
     take(cockpit)
 
-    def episode(gate: Gate) -> list[Turn]:
+    def episode(gate: Gate) -> list[Actor]:
         page.turns.clear()
         rollout(
             OperatedEnvironment(environment, cockpit),
@@ -210,9 +209,9 @@ def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on
         return list(page.turns)
 
     gate = PersonGate(AlwaysPolicy(), cockpit, 50.0, wait_s=0.0)
-    assert episode(gate) == [Turn.PERSON] * 4 + [Turn.HOLD] * 8
+    assert episode(gate) == [Actor.OPERATOR] * 4 + [Actor.HOLD] * 8
     page.script = {5: lambda page: page.order(Order.HAND_BACK, "another page")}
-    assert episode(gate) == [Turn.HOLD] * 5 + [Turn.POLICY] * 7
+    assert episode(gate) == [Actor.HOLD] * 5 + [Actor.POLICY] * 7
 
 
 def test_the_stop_acts_on_the_next_step_and_needs_a_reset_and_a_new_takeover():
@@ -287,7 +286,7 @@ def test_a_simulation_that_cannot_hold_stands_still():
     cockpit = Cockpit(hands(Corridor()).guide, Passing())
     environment = Corridor()
     scripted = MiddleKeeper(environment)
-    stand_ins = dict.fromkeys(Turn, scripted)
+    stand_ins = dict.fromkeys(Actor, scripted)
     gate = PersonGate(outside_between(3, 6), cockpit, 50.0, wait_s=2.0, can_hold=False)
     episode = rollout(
         OperatedEnvironment(environment, cockpit),
@@ -327,7 +326,7 @@ def cannot_hold(
             person if wrap else gate,
             rng=np.random.default_rng(0),
             policy=Straight(),
-            expert=OperatedExpert(cockpit, hands(environment), dict.fromkeys(Turn, scripted)),
+            expert=OperatedExpert(cockpit, hands(environment), dict.fromkeys(Actor, scripted)),
             listeners=(Page(cockpit, Clock(), {4: before}),),
         )
     finally:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.cockpit import Order
-from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.dashboard.parts.tool_gizmo import SHARE_OF_VIEW
 from sheath_manip.types import Actor, Reason
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
@@ -60,7 +59,7 @@ def grasp(running, opened) -> Iterator[OperatedGrasp]:
     holder = cockpit.lease.holder or "the test"
     cockpit.order(Order.TAKE_OVER, holder)
     cockpit.order(Order.HAND_BACK, holder)
-    running.until_turn(Turn.POLICY)
+    running.until_turn(Actor.POLICY)
 
 
 def moved_m(grasp: OperatedGrasp, page: Page, least_m: float) -> NDArray:
@@ -105,7 +104,7 @@ def test_take_over_by_click_drive_with_held_keys_and_hand_back(grasp, opened):
     page.keyboard.up("k")
     np.testing.assert_array_equal(camera.position, before)
     page.get_by_role("button", name="Hand back (H)").click()
-    grasp.until_turn(Turn.POLICY)
+    grasp.until_turn(Actor.POLICY)
     page.get_by_role("button", name="Take over (T)").wait_for()
 
 
@@ -114,7 +113,7 @@ def test_take_over_and_hand_back_by_hotkey(grasp, opened):
     wait_until(lambda: grasp.cockpit.state.taken, "takeover", opened)
     opened.get_by_text("H hands back").first.wait_for()
     opened.keyboard.press("h")
-    grasp.until_turn(Turn.POLICY)
+    grasp.until_turn(Actor.POLICY)
 
 
 def test_the_gizmo_drags_the_arm(grasp, opened):
@@ -168,7 +167,7 @@ def test_the_stop_is_latched_until_it_is_reset(grasp, opened):
     page.keyboard.press("t")
     wait_until(lambda: grasp.cockpit.state.taken, "takeover", page)
     page.keyboard.down("j")
-    grasp.until_turn(Turn.PERSON)
+    grasp.until_turn(Actor.OPERATOR)
     moved_m(grasp, page, 0.02)
     # Also where the focus is in a field.
     page.get_by_role("textbox").first.focus()
@@ -189,7 +188,7 @@ def test_the_stop_is_latched_until_it_is_reset(grasp, opened):
     # It moves only once it is told to.
     wait_until(lambda: grasp.cockpit.paused, "pause", page)
     page.get_by_role("button", name="Resume (P)").click()
-    grasp.until_turn(Turn.POLICY)
+    grasp.until_turn(Actor.POLICY)
     page.get_by_role("button", name="STOP (Space)").click()
     wait_until(lambda: grasp.cockpit.state.stopped, "stop by click", page)
     holds(grasp, page)
@@ -205,13 +204,13 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     page.wait_for_function(f"sheathOperator.beeps > {heard}")
     page.keyboard.press("t")
     page.keyboard.down("u")
-    grasp.until_turn(Turn.PERSON)
+    grasp.until_turn(Actor.OPERATOR)
     assert moved_m(grasp, page, 0.02)[2] > 0.01
     page.get_by_text("Person acts").wait_for()
     page.keyboard.up("u")
     grasp.inside = True
     page.keyboard.press("h")
-    grasp.until_turn(Turn.POLICY)
+    grasp.until_turn(Actor.POLICY)
 
 
 PUSHED = """
@@ -259,7 +258,7 @@ def test_two_cannot_both_drive(grasp, opened):
     with Station(grasp.page.address) as first:
         first.order("take-over")
         first.hold(keys=["KeyO"])
-        grasp.until_turn(Turn.PERSON)
+        grasp.until_turn(Actor.OPERATOR)
         holder = grasp.cockpit.lease.holder
         opened.get_by_text("Another page drives").wait_for()
         opened.keyboard.press("t")
@@ -283,16 +282,16 @@ def test_a_killed_browser_leaves_the_robot_holding_within_half_a_second(grasp, o
     page.wait_for_function("window.sheathOperator?.state.operated")
     page.keyboard.press("t")
     page.keyboard.down("l")
-    grasp.until_turn(Turn.PERSON)
+    grasp.until_turn(Actor.OPERATOR)
     processes = doomed.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
     killed_s = time.monotonic()
     for process in processes:
         os.kill(process["id"], signal.SIGKILL)
-    assert eventually(lambda: grasp.turns[-1][1] is Turn.HOLD)
-    assert max(at_s for at_s, turn in grasp.turns if turn is Turn.PERSON) - killed_s < 0.5
+    assert eventually(lambda: grasp.turns[-1][1] is Actor.HOLD)
+    assert max(at_s for at_s, turn in grasp.turns if turn is Actor.OPERATOR) - killed_s < 0.5
     holds(grasp, opened)
     # The policy does not go on where a person had thought it wrong; somebody must say so.
     assert eventually(lambda: grasp.cockpit.lease.holder is None)
     opened.get_by_text("H lets the policy go on").first.wait_for()
     opened.keyboard.press("h")
-    grasp.until_turn(Turn.POLICY)
+    grasp.until_turn(Actor.POLICY)

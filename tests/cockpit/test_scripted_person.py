@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
-from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
@@ -80,7 +79,7 @@ def operated_episode(
             ),
             rng=np.random.default_rng(0),
             policy=Absent(rest),
-            expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Turn, stand_in)),
+            expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, stand_in)),
             listeners=(page, person, Recorder(store)),
         )
     assert person.took_over == 1

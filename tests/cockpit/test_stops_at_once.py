@@ -7,10 +7,9 @@ import time
 import numpy as np
 
 from sheath_manip.cockpit import Cockpit, Order, PersonGate
-from sheath_manip.cockpit.guide import Binding
-from sheath_manip.cockpit.state import Turn
 from sheath_manip.gates import AlwaysPolicy
-from sheath_manip.types import Observation
+from sheath_manip.types import Actor, Observation
+from sheath_manip.types.operator_input import Binding
 
 PAGES, ROUNDS = 6, 300
 SEEN, AT_REST = Observation({}, np.zeros(1, np.float32), 0.0), np.zeros(1, np.float32)
@@ -61,7 +60,7 @@ def test_no_stop_is_lost_and_nothing_moves_that_nobody_has_reset(monkeypatch):
         while not enough.is_set():
             known = pressed.highest
             gate.decide(SEEN, AT_REST)
-            if cockpit.turn is not Turn.HOLD:
+            if cockpit.turn is not Actor.HOLD:
                 moved[0] += 1
                 if reset.highest < known:
                     wrong.append(known)
@@ -83,5 +82,5 @@ def test_no_stop_is_lost_and_nothing_moves_that_nobody_has_reset(monkeypatch):
     assert state.stops == PAGES * (ROUNDS + 1)
     assert state.stopped
     gate.decide(SEEN, AT_REST)
-    assert cockpit.turn is Turn.HOLD
+    assert cockpit.turn is Actor.HOLD
     print(f"{state.stops} stops, {moved[0]} steps that moved")

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from sheath_manip.cockpit import Gamepad, Given, SixAxes
-from sheath_manip.cockpit.expert import Hands
 from sheath_manip.dashboard.operator_socket import HOTKEYS
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Teleop
 from sheath_manip.tasks.table import TASKS
 
 SEED = 77
@@ -33,7 +32,7 @@ def environment(name) -> Iterator[Environment]:
 
 
 @pytest.fixture(scope="module")
-def hands(name, environment) -> Hands:
+def hands(name, environment) -> Teleop:
     make = TASKS[name].hands
     assert make is not None
     return make(environment)

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.spacemouse import SpaceMouse, six_axes
 from sheath_manip.controllers.teleop.arm import ArmHands
 from sheath_manip.controllers.teleop.buttons import ButtonHands
@@ -23,6 +22,7 @@ from sheath_manip.exceptions import SetupError
 from sheath_manip.tasks.driving.entry import DRIVING
 from sheath_manip.tasks.platformer.entry import PLATFORMER
 from sheath_manip.tasks.robots.drive import TWIST_SCALE
+from sheath_manip.types.operator_input import Binding
 from tests.cases import cases
 from tests.waiting import eventually
 

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from playwright.sync_api import Locator, Page
 
 from sheath_manip.cockpit import Cockpit, Order
-from sheath_manip.cockpit.guide import Binding
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dashboard.shelf import Shelf
@@ -25,6 +24,7 @@ from sheath_manip.playback.making import exported
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Outcome, Purpose, Transition
+from sheath_manip.types.operator_input import Binding
 from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 

@@ -5,12 +5,12 @@ from html import escape
 import numpy as np
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.cockpit.cockpit import State, Turn
+from sheath_manip.cockpit.cockpit import State
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.playback import palette
-from sheath_manip.playback.labels import acting
+from sheath_manip.playback.labels import actor_label
 from sheath_manip.types import Actor, GateDecision, Reason
 
 
@@ -30,7 +30,7 @@ class Banner:
             self._box.content = _box(colour, moment.outcome.value, "episode over")
         elif state is not None and moment.present and _stands_still(state):
             reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
-            self._box.content = _box(palette.turn(True, reason), acting(True, reason), reason.value)
+            self._box.content = _held(reason)
         elif moment.step is not None:
             stand_in = State.stand_in if state is None else state.stand_in
             self._box.content = _banner(moment.step.decision, stand_in)
@@ -38,16 +38,21 @@ class Banner:
 
 def _stands_still(state: State) -> bool:
     """Whether nothing moves until a person says so; a car's last step was somebody else's."""
-    return state.turn is Turn.HOLD and (state.stopped or state.asking)
+    return state.turn is Actor.HOLD and (state.stopped or state.asking)
+
+
+def _held(reason: Reason) -> str:
+    label = actor_label(Actor.HOLD, reason)
+    return _box(palette.turn(Actor.HOLD, reason), label, reason.value)
 
 
 def _banner(decision: GateDecision, stand_in: str) -> str:
-    by_expert, reason = decision.actor is Actor.EXPERT, decision.reason
+    actor, reason = decision.actor, decision.reason
     below = reason.value
     if np.isfinite(decision.score) and np.isfinite(decision.threshold):
         sign = "≥" if decision.score >= decision.threshold else "<"
         below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
-    return _box(palette.turn(by_expert, reason), acting(by_expert, reason, stand_in), below)
+    return _box(palette.turn(actor, reason), actor_label(actor, reason, stand_in), below)
 
 
 def _box(colour: palette.Rgb, title: str, below: str) -> str:

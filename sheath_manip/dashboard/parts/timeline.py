@@ -96,7 +96,7 @@ def _legend(trace: Trace) -> str:
     if trace.by_policy.any():
         entries.append(("policy", palette.ACTOR[Actor.POLICY]))
     others = np.flatnonzero(~trace.by_policy)
-    occurred = dict.fromkeys(trace.who_and_why(step) for step in others)
+    occurred = dict.fromkeys(trace.who_and_why(step) for step in others.tolist())
     entries += [(actor_and_reason_label(*why), palette.turn(*why)) for why in occurred]
     if trace.limited.any():
         entries.append(("command limited", palette.LIMITED))

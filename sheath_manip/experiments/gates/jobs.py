@@ -16,11 +16,14 @@ from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import record_visits
 from sheath_manip.gates.config import planned_signal
 from sheath_manip.json_files import plain, write_json
-from sheath_manip.learning.fitting import fit_gate
+from sheath_manip.learning.fitting import Looks, fit_to_looks
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
-from sheath_manip.protocols import Listener, Policy, Report
+from sheath_manip.policies.looking import look_to_fit
+from sheath_manip.policies.readings import each_once
+from sheath_manip.protocols import Listener, Report, TrainablePolicy
+from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.seeding import seed_for
 
 
@@ -33,11 +36,10 @@ class Demonstrate:
     def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do what is not done yet."""
         at = self.setting
-        run = LearningRun(at.task, at.learning, at.seed, at.runs, at.store(), listeners, report)
-        try:
-            run.start()
-        finally:
-            run.close()
+        with SerialExecutor() as executor:
+            LearningRun(
+                at.task, at.learning, at.seed, at.runs, at.store(), executor, listeners, report
+            ).start()
 
     def units(self) -> int:
         """How often it reports."""
@@ -94,7 +96,7 @@ class Judge:
             spec = environment.spec
             environment.close()
 
-            def fresh_policy() -> Policy:
+            def fresh_policy() -> TrainablePolicy:
                 config, seed = at.learning.policy, seed_for("policy", at.seed)
                 return make_policy(config.name, spec, seed, **config.settings)
 
@@ -131,22 +133,27 @@ class Score:
         environment = at.environment()
         spec = environment.spec
         environment.close()
-        cloned, states, seen = at.cloned(spec), at.demonstrations(), evidence(at)
-        shared = Shared()
-        for row in missing:
-            gate = fit_gate(
+        cloned, states, shared = at.cloned(spec), at.demonstrations(), Shared()
+        signals = [shared.signal(planned_signal(row.plan.gate)) for row in missing]
+        readers = each_once(reader for each in signals for reader in each.attach(cloned.policy))
+        displacing = any(each.uses_displaced for each in signals)
+        seen = evidence(at, cloned.policy, readers)
+        looks = Looks(
+            states.labels,
+            look_to_fit(cloned.policy, states, readers, displacing),
+            seen.calibration,
+        )
+        for row, signal in zip(missing, signals, strict=True):
+            fitted = fit_to_looks(
                 cloned.policy,
-                states,
-                seen.calibration,
+                signal,
+                looks,
                 row.plan.gate,
-                spec.name,
-                policy_name=row.plan.policy.name,
-                run_seed=at.seed,
+                sources=cloned.fitted.sources,
                 agreement=lambda: np.load(at.agreement_path()),
-                signal=shared.signal(planned_signal(row.plan.gate)),
             )
-            gate.save(at.checkpoint_path(row.name))
-            offline = measured(gate, seen, at)
+            dataclasses.replace(cloned, fitted=fitted).save(at.checkpoint_path(row.name))
+            offline = measured(fitted, seen, at)
             write_json(at.offline_path(row.name), plain(dataclasses.asdict(offline)))
             report(f"gate {row.name}")
 

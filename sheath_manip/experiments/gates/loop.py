@@ -3,21 +3,24 @@
 import dataclasses
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from sheath_manip.exceptions import StoreError
 from sheath_manip.experiments.gates.rows import BASELINES
 from sheath_manip.experiments.gates.setting import Setting
-from sheath_manip.gates import SupportGate
 from sheath_manip.json_files import write_json
-from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
-from sheath_manip.learning.evaluation import evaluate_policy
+from sheath_manip.learning.checkpoint import load_checkpoint
+from sheath_manip.learning.drivers import GivenPolicy
+from sheath_manip.learning.evaluation import evaluation_requests
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
-from sheath_manip.protocols import Environment, Gate, Policy, Report
-from sheath_manip.rollout.loop import rollout
-from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.protocols import Environment, Report
+from sheath_manip.rollout.executor import Executor
+from sheath_manip.rollout.request import Crew, EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.seeding import scene_seed
+from sheath_manip.task import Task
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose, TaskSpec
 from sheath_manip.types.samples import joined, samples_from
 
@@ -64,71 +67,64 @@ def read_loop(path: Path) -> Loop:
         ) from error
 
 
+@dataclass(frozen=True)
+class GateOfRow:
+    """The policy that all gates watch over, under a row's gate at one of the plan's rates."""
+
+    setting: Setting
+    row: str
+    number: int
+    """of the rate"""
+
+    def crew(self, task: Task, environment: Environment) -> Crew:
+        """Read the row's checkpoint, and set its threshold."""
+        at, spec = self.setting, environment.spec
+        rates, expert = at.plan.rates, task.expert(environment)
+        if self.row in BASELINES:
+            gate = BASELINES[self.row](rates)[self.number]
+            return Crew(gate, at.cloned(spec).policy, expert)
+        checkpoint = load_checkpoint(at.checkpoint_path(self.row), spec)
+        thresholds = json.loads(at.offline_path(self.row).read_text())["thresholds"]
+        judging = checkpoint.with_threshold(thresholds[str(rates[self.number])])
+        return Crew(judging.gate(), checkpoint.policy, expert)
+
+
 def run_loop(setting: Setting, row: str, size: Size, report: Report) -> Loop:
     """Drive under the gate of `row` at each threshold, learn from one of them, and judge that."""
-    environment = setting.environment()
-    try:
-        checkpoint, gates = _gates(setting, row, environment.spec)
+    rates = setting.plan.rates
+    gates = len(BASELINES[row](rates) if row in BASELINES else rates)
+    with SerialExecutor() as executor:
         runs = [
-            [
-                _driven(setting, row, number, index, gate, checkpoint.policy, environment, report)
-                for index in range(size.episodes)
-            ]
-            for number, gate in enumerate(gates)
+            list(executor.map(_requests(setting, row, number, size), report=report))
+            for number in range(gates)
         ]
         points = tuple(tuple(record_of(episode) for episode in run) for run in runs)
         nearest = min(
             range(len(points)),
             key=lambda number: abs(expert_share(points[number]) - setting.plan.share),
         )
-        final = _learned(setting, row, runs[nearest], size.held_out, environment, report)
+        final = _learned(setting, row, runs[nearest], size.held_out, executor, report)
         return Loop(points, nearest, final)
-    finally:
-        environment.close()
 
 
-def _gates(setting: Setting, row: str, spec: TaskSpec) -> tuple[Checkpoint, Sequence[Gate]]:
-    """The checkpoint whose policy drives, and one gate a threshold."""
-    if row in BASELINES:
-        return setting.cloned(spec), BASELINES[row](setting.plan.rates)
-    checkpoint = load_checkpoint(setting.checkpoint_path(row), spec)
-    thresholds = json.loads(setting.offline_path(row).read_text())["thresholds"]
-    return checkpoint, [
-        SupportGate(checkpoint.score, thresholds[str(rate)]) for rate in setting.plan.rates
+def _requests(setting: Setting, row: str, number: int, size: Size) -> list[EpisodeRequest]:
+    """Episodes on the scenes that all gates and thresholds meet."""
+    spec, driver = _spec(setting), GateOfRow(setting, row, number)
+    infos = [
+        EpisodeInfo(
+            task=setting.task.name,
+            seed=scene_seed(Purpose.LEARNING, "gates", setting.seed, index),
+            purpose=Purpose.LEARNING,
+            control_rate_hz=spec.control_rate_hz,
+            method=row,
+            round=number,
+            index=index,
+            run_seed=setting.seed,
+        )
+        for index in range(size.episodes)
     ]
-
-
-def _driven(
-    setting: Setting,
-    row: str,
-    number: int,
-    index: int,
-    gate: Gate,
-    policy: Policy,
-    environment: Environment,
-    report: Report,
-) -> Episode:
-    """One episode on a scene that all gates and thresholds meet."""
-    info = EpisodeInfo(
-        task=setting.task.name,
-        seed=scene_seed(Purpose.LEARNING, "gates", setting.seed, index),
-        purpose=Purpose.LEARNING,
-        control_rate_hz=environment.spec.control_rate_hz,
-        method=row,
-        round=number,
-        index=index,
-        run_seed=setting.seed,
-    )
-    episode = rollout(
-        environment,
-        info,
-        gate,
-        rng=generator("gate", row, setting.seed, number, index),
-        policy=policy,
-        expert=setting.task.expert(environment),
-    )
-    report(f"loop {row}")
-    return episode
+    variant = setting.learning.schedule.variant
+    return [EpisodeRequest(setting.task, variant, info, driver) for info in infos]
 
 
 def _learned(
@@ -136,16 +132,33 @@ def _learned(
     row: str,
     episodes: Sequence[Episode],
     held_out: int,
-    environment: Environment,
+    executor: Executor,
     report: Report,
 ) -> tuple[EpisodeRecord, ...]:
     """What the policy does alone once it has also learned from `episodes`."""
     if held_out == 0:
         return ()
-    learner = setting.cloned(environment.spec)
-    learner.policy.fit(joined([setting.demonstrations(), samples_from(episodes)]))
-    seeds = setting.evaluation_seeds(held_out)
-    return tuple(evaluate_policy(environment, replace(learner, method=row), seeds, report))
+    spec = _spec(setting)
+    learner = setting.cloned(spec).policy
+    learner.fit(joined([setting.demonstrations(), samples_from(episodes)]))
+    learning = setting.learning
+    requests = evaluation_requests(
+        setting.task,
+        learning.schedule.variant,
+        spec,
+        GivenPolicy(learner),
+        learning.comparison.held_out_set,
+        held_out,
+        method=row,
+        run_seed=setting.seed,
+    )
+    return tuple(record_of(episode) for episode in executor.map(requests, report=report))
+
+
+def _spec(setting: Setting) -> TaskSpec:
+    environment = setting.environment()
+    environment.close()
+    return environment.spec
 
 
 def _records(content: Sequence[Mapping[str, Any]]) -> tuple[EpisodeRecord, ...]:

@@ -18,14 +18,16 @@ from sheath_manip.experiments.gates.foresight import (
 )
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import Visit, visits
-from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.protocols import Report
+from sheath_manip.gates.fitted import FittedGate
+from sheath_manip.policies.looking import look
+from sheath_manip.protocols import Reader, TrainablePolicy
 from sheath_manip.support.calibration import (
     episode_threshold,
     held_out_threshold,
     or_nothing_inside,
 )
 from sheath_manip.types.samples import Samples, samples_from
+from sheath_manip.types.seen import Seen
 
 CURVE = np.round(np.linspace(0, 1, 51), 2)
 """false-alarm rates at which ROC curves are kept"""
@@ -33,14 +35,16 @@ CURVE = np.round(np.linspace(0, 1, 51), 2)
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """The recorded states that every gate is held against."""
+    """The recorded states that every gate is held against, as the one policy saw them."""
 
-    calibration: Sequence[Samples]
-    fresh: Sequence[Samples]
-    displaced: Mapping[str, Samples]
+    calibration: Sequence[Seen]
+    fresh: Sequence[Seen]
+    displaced: Mapping[str, Seen]
     far: Sequence[str]
     """the displacements that lead where no expert comes"""
     visits: Sequence[Visit]
+    visited: Sequence[Seen]
+    """the states of `visits`"""
 
 
 @dataclass(frozen=True)
@@ -102,25 +106,30 @@ class Offline:
     """detection rates at the false-alarm rates CURVE: `far` displaced states, `costly` mistakes"""
 
 
-def evidence(setting: Setting, report: Report = lambda _: None) -> Evidence:
-    """Read what was recorded."""
-    displaced = displaced_states(setting, report)
+def evidence(setting: Setting, policy: TrainablePolicy, readers: Sequence[Reader]) -> Evidence:
+    """Read what was recorded, and have `policy` look at it once for all `readers`."""
+
+    def seen(samples: Samples) -> Seen:
+        return look(policy, samples, readers)
+
+    recorded = visits(setting)
     return Evidence(
-        setting.calibration(),
-        [samples_from([episode]) for episode in setting.fresh()],
-        displaced,
+        [seen(episode) for episode in setting.calibration()],
+        [seen(samples_from([episode])) for episode in setting.fresh()],
+        {name: seen(states) for name, states in displaced_states(setting).items()},
         [displacement.name for displacement in setting.probes.displacements if displacement.far],
-        visits(setting),
+        recorded,
+        [seen(visit.samples) for visit in recorded],
     )
 
 
-def measured(gate: Checkpoint, seen: Evidence, setting: Setting) -> Offline:
+def measured(gate: FittedGate, seen: Evidence, setting: Setting) -> Offline:
     """Hold one gate against all of it."""
     plan = setting.plan
-    calibration = [gate.scores(episode) for episode in seen.calibration]
-    fresh = [gate.scores(episode) for episode in seen.fresh]
-    displaced = {name: gate.scores(states) for name, states in seen.displaced.items()}
-    visited = [gate.scores(visit.samples) for visit in seen.visits]
+    calibration = [gate.scores_of(episode) for episode in seen.calibration]
+    fresh = [gate.scores_of(episode) for episode in seen.fresh]
+    displaced = {name: gate.scores_of(states) for name, states in seen.displaced.items()}
+    visited = [gate.scores_of(states) for states in seen.visited]
     expert = np.concatenate(fresh)
     far = np.concatenate([np.empty(0), *(displaced[name] for name in seen.far)])
     costly = np.concatenate([visit.costly for visit in seen.visits])
@@ -136,7 +145,9 @@ def measured(gate: Checkpoint, seen: Evidence, setting: Setting) -> Offline:
     return Offline(
         auroc={name: auroc(expert, scores) for name, scores in displaced.items()},
         auroc_far=auroc(expert, far),
-        calibrated=_boundary([gate.threshold], gate.false_alarm_rate, fresh, displaced),
+        calibrated=_boundary(
+            [gate.threshold], gate.config.threshold.false_alarm_rate, fresh, displaced
+        ),
         few=_boundary(few, plan.few_false_alarm_rate, fresh, displaced),
         errs=Errs(
             auroc(on_policy[~costly], on_policy[costly]),

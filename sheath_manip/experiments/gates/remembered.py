@@ -1,55 +1,55 @@
 """An embedding fitted once, and its vectors computed once, for all gates that look through it."""
 
-from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies import make_embedding
-from sheath_manip.protocols import Arrays, Embedding, Policy, Signal
+from sheath_manip.protocols import Arrays, Embedding, Reader, Signal, TrainablePolicy
 from sheath_manip.signals import SignalChoice, make_signal
-from sheath_manip.types.samples import Samples
+from sheath_manip.types.seen import Seen
 
 
 class Remembered:
-    """An embedding that is fitted to the same states, and looks at the same images, only once.
-
-    The samples that it has seen must be kept as long: it knows them by identity.
-    """
+    """An embedding that is fitted to the same looks, and scales the same readings, only once."""
 
     def __init__(self, embedding: Embedding) -> None:
         self.embedding = embedding
-        self._fitted_to: tuple[Policy, Samples] | None = None
-        self._vectors: dict[tuple[int, ...], NDArray[np.float32]] = {}
+        self._fitted_to: Seen | None = None
+        self._vectors: dict[int, tuple[Seen, NDArray[np.float32]]] = {}
+        """by the identity of what was seen, which is held as long"""
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Fit, unless it is fitted to just these."""
-        if self._fitted_to is None or any(
-            held is not given
-            for held, given in zip(self._fitted_to, (policy, samples), strict=True)
-        ):
-            self.embedding.fit(policy, samples)
-            self._fitted_to = policy, samples
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether the embedding does."""
+        return self.embedding.uses_displaced
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read what the embedding reads."""
+        return self.embedding.attach(policy)
+
+    def fit(self, seen: Seen) -> Self:
+        """Fit, unless it is fitted to just this."""
+        if self._fitted_to is not seen:
+            self.embedding.fit(seen)
+            self._fitted_to = seen
             self._vectors.clear()
         return self
 
-    def transform(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
         """(n, d) the embedding's vectors."""
-        key = (*(id(array) for array in images.values()), id(features))
-        if key not in self._vectors:
-            self._vectors[key] = self.embedding.transform(images, features)
-        return self._vectors[key]
+        if id(seen) not in self._vectors:
+            self._vectors[id(seen)] = seen, self.embedding.transform(seen)
+        return self._vectors[id(seen)][1]
 
     def arrays(self) -> Arrays:
         """The embedding's."""
         return self.embedding.arrays()
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
+    def load(self, arrays: Arrays) -> Self:
         """Take over an embedding's state and forget."""
-        self.embedding.load(policy, arrays)
+        self.embedding.load(arrays)
         self._fitted_to = None
         self._vectors.clear()
         return self

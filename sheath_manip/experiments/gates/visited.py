@@ -7,15 +7,15 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.experiments.gates.rows import POLICY
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.learning.checkpoint import digest
 from sheath_manip.policies.deviation import largest_deviations
-from sheath_manip.protocols import Report
-from sheath_manip.rollout.loop import rollout
-from sheath_manip.seeding import generator
+from sheath_manip.protocols import Environment, Report
+from sheath_manip.rollout.request import Crew, EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.task import Task
 from sheath_manip.types import (
     Action,
     ActionSpec,
@@ -24,6 +24,7 @@ from sheath_manip.types import (
     GateDecision,
     Observation,
     Outcome,
+    Proposal,
     Purpose,
     Reason,
 )
@@ -54,37 +55,38 @@ class Judged:
         """Nothing to forget."""
         self._driver.reset(rng)
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """The policy, judged; the expert only where `proposed` is None."""
-        decision = self._driver.decide(observation, proposed)
-        if proposed is None:
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """The policy, judged; the expert only where there is no proposal."""
+        decision = self._driver.decide(observation, proposal)
+        if proposal is None:
             return decision
-        regret = self.regret(proposed)
+        regret = self.regret(proposal.now[0])
         return GateDecision(decision.actor, decision.query, Reason.FIXED, score=-regret)
+
+
+@dataclass(frozen=True)
+class JudgedPolicy:
+    """The policy that all gates watch over, alone, with the regret of all that it does."""
+
+    setting: Setting
+
+    def crew(self, task: Task, environment: Environment) -> Crew:
+        """Read the policy, and make the expert that judges it."""
+        expert, probes = task.expert(environment), self.setting.probes
+        gate = Judged(lambda action: probes.regret(expert, action))
+        return Crew(gate, self.setting.cloned(environment.spec).policy, expert)
 
 
 def record_visits(setting: Setting, report: Report) -> None:
     """Let the policy drive alone on the held-out scenes that it has not driven on yet."""
-    store = setting.store()
+    variant, driver = setting.learning.schedule.variant, JudgedPolicy(setting)
     environment = setting.environment()
-    expert = setting.task.expert(environment)
-    try:
-        policy = setting.cloned(environment.spec).policy
-        gate = Judged(lambda action: setting.probes.regret(expert, action))
-        for info in _infos(setting, environment.spec.control_rate_hz):
-            if not store.has(info):
-                rollout(
-                    environment,
-                    info,
-                    gate,
-                    rng=generator("none"),
-                    policy=policy,
-                    expert=expert,
-                    listeners=[Recorder(store)],
-                )
-            report("policy alone")
-    finally:
-        environment.close()
+    environment.close()
+    infos = _infos(setting, environment.spec.control_rate_hz)
+    requests = [EpisodeRequest(setting.task, variant, info, driver) for info in infos]
+    with SerialExecutor() as executor:
+        for _ in executor.map(requests, setting.store(), report=report):
+            pass
 
 
 def visits(setting: Setting) -> list[Visit]:

@@ -64,3 +64,18 @@ class Given:
 
 
 EMPTY = Given()
+
+
+@dataclass(frozen=True)
+class Binding:
+    """Keys with one purpose."""
+
+    codes: tuple[str, ...]
+    """as `KeyboardEvent.code` names them"""
+    says: str
+    """such as `forward, back`"""
+
+    @property
+    def shown(self) -> str:
+        """The keys as they are printed on a keyboard."""
+        return " ".join(code.removeprefix("Key").removeprefix("Digit") for code in self.codes)
