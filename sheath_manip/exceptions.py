@@ -1,6 +1,7 @@
 """Errors that a user can act on; the command line prints each as one line and exits with code 2."""
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 
 class SheathError(Exception):
@@ -11,7 +12,14 @@ class UnknownNameError(SheathError):
     """A name that is in no table."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        super().__init__(f"unknown {kind} {name!r}; known: {', '.join(sorted(known))}")
+        listed = sorted(known)
+        near = get_close_matches(name, listed, n=1)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        super().__init__(f"unknown {kind} {name!r}; known: {', '.join(listed)}{meant}")
+
+
+class RegistrationError(SheathError):
+    """A member that a package gave by an entry point and that cannot be used."""
 
 
 class ActionError(SheathError):

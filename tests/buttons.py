@@ -54,24 +54,28 @@ def make_stage(run_seed: int) -> ButtonCorridor:
     return ButtonCorridor(drift_m=0.05 * (run_seed % 3 - 1))
 
 
-PLAN = LearningPlan(
-    policy="linear-svm",
-    signal="support",
-    embedding="features",
-    bandwidth_factor=0.05,
-    bandwidth_unit="dimensions",
-    false_alarm_rate=0.2,
-    expert_budget=0.25,
-    seeds=(0,),
-    variant="stage",
-    final_variant="stage",
-    demonstrations=2,
-    calibration=3,
-    check=1,
-    rounds=2,
-    episodes=2,
-    held_out=1,
-    final=1,
+PLAN = LearningPlan().changed(
+    policy={"name": "linear-svm"},
+    gate={
+        "signal": "support",
+        "embedding": "features",
+        "support": {"bandwidth_factor": 0.05, "bandwidth_unit": "dimensions"},
+        "threshold": {"false_alarm_rate": 0.2, "expert_budget": 0.25},
+    },
+    comparison={
+        "seeds": (0,),
+        "final_variant": "stage",
+        "evaluation_episodes": 1,
+        "final_episodes": 1,
+    },
+    schedule={
+        "variant": "stage",
+        "demonstrations": 2,
+        "calibration": 3,
+        "false_alarm_episodes": 1,
+        "rounds": 2,
+        "episodes": 2,
+    },
 )
 BUTTONS = TaskEntry(
     name="buttons",

@@ -152,15 +152,15 @@ PROBES = Probes(
     regret=regret_m,
     costly_regret=0.2,
 )
-PLAN = LearningPlan(
-    seeds=(0,),
-    demonstrations=4,
-    calibration=3,
-    check=3,
-    rounds=2,
-    episodes=2,
-    held_out=2,
-    final=2,
+PLAN = LearningPlan().changed(
+    comparison={"seeds": (0,), "evaluation_episodes": 2, "final_episodes": 2},
+    schedule={
+        "demonstrations": 4,
+        "calibration": 3,
+        "false_alarm_episodes": 3,
+        "rounds": 2,
+        "episodes": 2,
+    },
 )
 CORRIDOR = TaskEntry(
     name="corridor",

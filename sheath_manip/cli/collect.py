@@ -3,10 +3,11 @@
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 from rich.text import Text
 
-from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.seeding import scene_seed
 from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
@@ -28,7 +29,7 @@ class Collect:
     """of the task"""
     dashboard: bool = False
     """show the run in the browser"""
-    address: Address = field(default_factory=Address)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Record them, then print the outcomes."""

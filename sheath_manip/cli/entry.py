@@ -16,6 +16,7 @@ from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.experiment import Experiment
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
+from sheath_manip.cli.planned import Planned, registry, verb_for
 from sheath_manip.cli.replay import Replay
 from sheath_manip.cli.run import Run
 from sheath_manip.cli.session import Session, Tasks, Verb
@@ -64,14 +65,17 @@ def run_task_command(tasks: Tasks, task: str, argv: Sequence[str]) -> int:
 def _run(
     verbs: Mapping[str, type[Verb]], tasks: Tasks, argv: Sequence[str], prog: str, about: str
 ) -> int:
-    choices = [
-        Annotated[verb, tyro.conf.subcommand(name, prefix_name=False)]
-        for name, verb in verbs.items()
-    ]
-    config = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes)
-    line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
     try:
-        verb: Verb = tyro.cli(line, args=list(argv), prog=prog, description=about, config=config)
+        choices = [_choice(name, verb, tasks, argv) for name, verb in verbs.items()]
+        line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
+        verb: Verb = tyro.cli(
+            line,
+            args=list(argv),
+            prog=prog,
+            description=about,
+            config=(tyro.conf.FlagCreatePairsOff,),
+            registry=registry,
+        )
         return verb.run(Session(tasks, f"{prog} {shlex.join(argv)}".strip()))
     except BrokenPipeError:
         # Who reads has seen enough, as `head` has; what is left in the buffer goes nowhere.
@@ -83,6 +87,16 @@ def _run(
     except KeyboardInterrupt:
         print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
         return INTERRUPTED
+
+
+def _choice(name: str, verb: type[Verb], tasks: Tasks, argv: Sequence[str]) -> Any:
+    """What tyro is told of a verb; its defaults follow the line where the line is of this verb."""
+    if not (list(argv[:1]) == [name] and issubclass(verb, Planned)):
+        return Annotated[verb, tyro.conf.subcommand(name, prefix_name=False)]
+    wanted, before = verb_for(verb, tasks, argv[1:])
+    if before is None:
+        return Annotated[wanted, tyro.conf.subcommand(name, prefix_name=False)]
+    return Annotated[wanted, tyro.conf.subcommand(name, default=before, prefix_name=False)]
 
 
 def _bound(verb: type[Verb], task: str) -> type[Verb]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sheath_manip.cli.options import TaskName
 from sheath_manip.cli.session import Session, at_least_one
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.config import Comparison
 from sheath_manip.seeding import scene_seed
 from sheath_manip.types import Purpose
 
@@ -23,7 +23,7 @@ class Evaluate:
     """how many scenes"""
     variant: str = "default"
     """of the task"""
-    scenes: str = LearningPlan().held_out_set
+    scenes: str = Comparison.held_out_set
     """name of the set of scenes; tune on another than you report"""
     json: bool = False
     """print nothing but JSON on the standard output"""

@@ -1,77 +1,90 @@
 """`sheath experiment`: rounds of learning by several methods on a task, or a benchmark."""
 
-import os
 from dataclasses import dataclass, field
-from pathlib import Path
+from typing import Annotated, Any
 
 from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
-from sheath_manip.cli.options import Address, TaskName, planned, spec_of
-from sheath_manip.cli.session import Session
+from sheath_manip.cli.comparing import Comparing
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, spec_of
+from sheath_manip.cli.planned import Planned, asked_policy, plan_named
+from sheath_manip.cli.session import Session, Verb
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
-
-WORKERS = 2
-"""by default: each holds its training seed's images in RAM"""
-OF_LEARNING = ("rounds", "methods", "figures", "dashboard", "hold")
-"""options that a benchmark has no use for"""
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
 
 
 @dataclass(frozen=True, kw_only=True)
-class Experiment:
+class Benchmark(Comparing):
+    """Compare gates (`gates`) or sizes of the support (`nu`), on all tasks that offer it.
+
+    Stopped anywhere and called again, it goes on where it was.
+    """
+
+    seeds: tuple[int, ...] | None = None
+    """of the training runs; the plan's by default"""
+
+    def run(self, session: Session) -> int:
+        """Run it to its end."""
+        if self.seeds == ():
+            raise ParameterError("seeds is empty; wanted at least one")
+        runs, results = self.directories()
+        asked = Asked(self.size, self.seeds, self.processes(), runs, results, self.fresh)
+        BENCHMARKS[self.task](asked, session)
+        return 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment(Comparing, Planned):
     """Compare the methods on a task: demonstrations, rounds, held-out scenes, table and figures.
 
     The experiment `gates` compares gates instead, on all tasks that have probes, and `nu` the sizes
     of the support, on all tasks that have a plan for it.
 
-    Stopped anywhere and called again, it goes on where it was.
+    Stopped anywhere and called again, it goes on where it was. Defaults are the plan's:
+    `sheath experiment TASK --plan NAME --help` prints them.
     """
 
-    task: TaskName
-    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates` or `nu`"""
-    plan: str = "full"
-    """the settings, as `sheath tasks` lists them; each keeps apart from the full one"""
-    quick: bool = False
-    """the small version, in minutes: the same as --plan quick"""
-    out: Path | None = None
-    """directory for summary.json and figures; results/TASK, or beside the runs of another plan"""
-    runs: Path | None = None
-    """directory for episodes and checkpoints; runs/TASK, or runs/TASK-PLAN for another plan"""
-    fresh: bool = False
-    """begin anew; what an earlier run left is moved aside"""
-    workers: int | None = None
-    """processes; at most 2 by default, and none but this one with --dashboard"""
-    seeds: tuple[int, ...] | None = None
-    """of the training runs; the plan's by default"""
-    rounds: int | None = None
-    """after the demonstrations; the plan's by default"""
-    methods: tuple[str, ...] | None = None
-    """to compare, as `sheath tasks` lists them; the plan's by default"""
+    policy: PolicyConfig = field(default_factory=PolicyConfig)
+    gate: GateConfig = field(default_factory=GateConfig)
+    schedule: Annotated[Schedule, WITHOUT_PREFIX] = field(default_factory=Schedule)
+    comparison: Annotated[Comparison, WITHOUT_PREFIX] = field(default_factory=Comparison)
     figures: tuple[str, ...] | None = None
     """file names of the figures to draw; all by default"""
     dashboard: bool = False
-    """show the run in the browser"""
+    """show the run in the browser, and run all in this process"""
     hold: bool = False
     """with --dashboard: keep the page open after the end, until Ctrl-C"""
-    address: Address = field(default_factory=Address)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
+
+    @classmethod
+    def named(cls, name: str) -> type[Verb]:
+        """Return what a benchmark takes where it is one."""
+        return Benchmark if name in BENCHMARKS else cls
+
+    @classmethod
+    def settings(cls, plan: LearningPlan) -> dict[str, Any]:
+        """All of `plan`."""
+        return {name: getattr(plan, name) for name in ("policy", "gate", "schedule", "comparison")}
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
         tasks = session.tasks()
-        if self.task in BENCHMARKS:
-            return self._run_benchmark(session)
         if self.task not in tasks:
             raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS))
         task = tasks[self.task]
-        plan = self._plan(task, self._size)
-        workers = self._workers()
-        runs, results = self._directories()
+        policy = asked_policy(self.policy, plan_named(task, self.size))
+        plan = LearningPlan(policy, self.gate, self.schedule, self.comparison)
+        if self.figures == ():
+            raise ParameterError("figures is empty; wanted at least one")
+        workers = self.processes()
+        runs, results = self.directories()
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
         from sheath_manip.learning.methods import method_named
 
-        for method in plan.methods:
+        for method in plan.comparison.methods:
             method_named(method)
         with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
             if self.fresh:
@@ -93,43 +106,14 @@ class Experiment:
                     dashboard.hold_open()
         return 0
 
-    def _run_benchmark(self, session: Session) -> int:
-        for name in OF_LEARNING:
-            if getattr(self, name):
-                raise ParameterError(
-                    f"the experiment {self.task} takes no --{name}; "
-                    "wanted --quick, --seeds, --workers, --runs, --out or --fresh"
-                )
-        runs, results = self._directories()
-        asked = Asked(self._size, self.seeds, self._workers(), runs, results, self.fresh)
-        BENCHMARKS[self.task](asked, session)
+    def processes(self) -> int:
+        """How many workers; none but this process with a page."""
+        workers = super().processes()
+        if not self.dashboard:
+            return workers
+        if self.workers:
+            raise ParameterError(
+                f"workers is {self.workers}; the page shows what runs in this process, "
+                "so wanted 0 (or nothing) with --dashboard"
+            )
         return 0
-
-    @property
-    def _size(self) -> str:
-        return "quick" if self.quick else self.plan
-
-    def _directories(self) -> tuple[Path, Path]:
-        """For the runs and for the results; those of another plan keep apart from the full one."""
-        full = self._size == "full"
-        name = self.task if full else f"{self.task}-{self._size}"
-        runs = self.runs or Path("runs") / name
-        return runs, self.out or (Path("results") / name if full else runs / "results")
-
-    def _plan(self, task: TaskEntry, size: str) -> LearningPlan:
-        for name in ("seeds", "methods", "figures"):
-            if getattr(self, name) == ():
-                raise ParameterError(f"{name} is empty; wanted at least one")
-        return planned(task, size, seeds=self.seeds, rounds=self.rounds, methods=self.methods)
-
-    def _workers(self) -> int:
-        if self.workers is not None and self.workers < 0:
-            raise ParameterError(f"workers is {self.workers}; wanted at least 0")
-        if self.dashboard:
-            if self.workers:
-                raise ParameterError(
-                    f"workers is {self.workers}; the page shows what runs in this process, "
-                    "so wanted 0 (or nothing) with --dashboard"
-                )
-            return 0
-        return min(WORKERS, os.cpu_count() or 1) if self.workers is None else self.workers

@@ -2,40 +2,32 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Annotated, Any
 
 from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.operated import PERSON, Operating
-from sheath_manip.cli.options import Address, TaskName, planned, spec_of
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
+from sheath_manip.cli.planned import Planned, asked_policy, plan_named
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.protocols import Gate, Listener
 from sheath_manip.task import SCRIPTED, TaskEntry
 
-PLANNED = (
-    "rounds",
-    "episodes",
-    "demonstrations",
-    "calibration",
-    "check",
-    "held_out",
-    "final",
-    "policy",
-    "signal",
-    "embedding",
-)
-"""options of the same name and meaning as in `LearningPlan`"""
-
 
 @dataclass(frozen=True, kw_only=True)
-class Learn:
+class Learn(Planned):
     """Teach a policy in rounds: it drives under its gate, the expert helps, both are refitted.
 
     With a person as the expert it is asked on the page where the gate wants one, and only what it
     drove itself is learned from. Stopped anywhere and called again, it goes on where it was.
+    Defaults are the plan's: `sheath learn TASK --plan NAME --help` prints them.
     """
 
     task: TaskName
@@ -51,32 +43,35 @@ class Learn:
     """name, as `sheath tasks` lists it; with hg-dagger only the person says when it drives"""
     plan: str = "full"
     """the settings, as `sheath tasks` lists them"""
-    rounds: int | None = None
-    """after the demonstrations; the plan's by default, as with all that follow"""
-    episodes: int | None = None
-    """in a round"""
-    demonstrations: int | None = None
-    """before the first round"""
-    calibration: int | None = None
-    """held-out expert episodes for the threshold, at least 3"""
-    check: int | None = None
-    """further ones, to measure false alarms"""
-    held_out: int | None = None
+    policy: PolicyConfig = field(default_factory=PolicyConfig)
+    gate: GateConfig = field(default_factory=GateConfig)
+    schedule: Annotated[Schedule, WITHOUT_PREFIX] = field(default_factory=Schedule)
+    evaluation_episodes: int = Comparison.evaluation_episodes
     """scenes on which the policy alone is judged after each round"""
-    final: int | None = None
+    final_episodes: int = Comparison.final_episodes
     """scenes on which the last policy is judged"""
-    policy: str | None = None
-    """name, as `sheath tasks` lists it, as with the next two"""
-    signal: str | None = None
-    """what the gate looks at"""
-    embedding: str | None = None
-    """what of the policy the support is estimated on"""
     seed: int = 0
     """of the training run"""
     dashboard: bool = False
     """show the run in the browser; with a person it always is"""
-    operating: Operating = field(default_factory=Operating)
-    address: Address = field(default_factory=Address)
+    operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
+
+    @property
+    def size(self) -> str:
+        """Name of the plan."""
+        return self.plan
+
+    @classmethod
+    def settings(cls, plan: LearningPlan) -> dict[str, Any]:
+        """What `plan` says of policy, gate, rounds and scenes."""
+        return {
+            "policy": plan.policy,
+            "gate": plan.gate,
+            "schedule": plan.schedule,
+            "evaluation_episodes": plan.comparison.evaluation_episodes,
+            "final_episodes": plan.comparison.final_episodes,
+        }
 
     def run(self, session: Session) -> int:
         """Run all rounds, then print what each showed."""
@@ -106,8 +101,16 @@ class Learn:
         listeners: Sequence[Listener],
         supervised: Callable[[Gate], Gate] | None,
     ) -> int:
-        asked = {name: getattr(self, name) for name in PLANNED}
-        plan = planned(task, self.plan, **asked, methods=(self.method,), seeds=(self.seed,))
+        offered = plan_named(task, self.plan)
+        comparison = replace(
+            offered.comparison,
+            methods=(self.method,),
+            seeds=(self.seed,),
+            evaluation_episodes=self.evaluation_episodes,
+            final_episodes=self.final_episodes,
+        )
+        policy = asked_policy(self.policy, offered)
+        plan = LearningPlan(policy, self.gate, self.schedule, comparison)
         # Only now: torch takes seconds to import.
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.gates.human import Nobody

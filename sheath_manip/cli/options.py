@@ -3,14 +3,12 @@
 import ipaddress
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import TaskEntry
 from sheath_manip.types import TaskSpec
 
@@ -28,6 +26,8 @@ NOT_LOOPBACK = (
 TaskName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
 StoreAddress = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STORE")]
 """a directory or a URL, which a Path would spoil"""
+WITHOUT_PREFIX = tyro.conf.arg(name="")
+"""of options that are grouped in the program but not on the line"""
 
 
 @dataclass(frozen=True)
@@ -77,17 +77,6 @@ class Address:
             return
         with self.dashboard(spec, session) as dashboard:
             yield (dashboard,)
-
-
-def planned(task: TaskEntry, size: str, **asked: Any) -> LearningPlan:
-    """The task's plan of that size with what was `asked` for; an option that is None was not.
-
-    Raises UnknownNameError for the size, and ParameterError for a value outside its range.
-    """
-    if size not in task.plans:
-        raise UnknownNameError(f"plan of {task.name}", size, task.plans)
-    given = {name: value for name, value in asked.items() if value is not None}
-    return replace(task.plans[size], **given)
 
 
 def is_loopback(host: str) -> bool:

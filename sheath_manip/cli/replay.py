@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from rich.text import Text
 
-from sheath_manip.cli.options import Address, StoreAddress
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.task import TaskEntry
@@ -36,7 +36,7 @@ class Replay:
     """end after the first time"""
     export: Path | None = None
     """write the episode to this .mp4 or .html file, and show no page"""
-    address: Address = field(default_factory=Address)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Replay, or export."""

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from sheath_manip.cli.operated import PERSON, Operating
-from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Gate, Listener
@@ -44,8 +44,8 @@ class Run:
     """without gate and expert"""
     dashboard: bool = False
     """show the run in the browser"""
-    operating: Operating = field(default_factory=Operating)
-    address: Address = field(default_factory=Address)
+    operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""

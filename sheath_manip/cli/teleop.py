@@ -4,11 +4,12 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Annotated
 
 from rich.text import Text
 
 from sheath_manip.cli.operated import HOLD, PERSON, Operating
-from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit.start import UntilTaken
 from sheath_manip.seeding import scene_seed
@@ -37,7 +38,7 @@ class Teleop:
     """1 is the task's control rate; the page's slider multiplies it"""
     spacemouse: bool = False
     """read the SpaceMouse that is plugged in here"""
-    address: Address = field(default_factory=Address)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Record them, then print the outcomes."""

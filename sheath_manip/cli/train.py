@@ -1,16 +1,20 @@
 """`sheath train`: a policy and its gate from the episodes of a store."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from sheath_manip.cli.options import TaskName, planned
+from sheath_manip.cli.options import TaskName
+from sheath_manip.cli.planned import Planned, asked_policy, plan_named
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.gates.config import GateConfig, planned_signal
+from sheath_manip.learning.config import LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
@@ -18,25 +22,10 @@ if TYPE_CHECKING:
     from sheath_manip.protocols import Policy
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
-PLANNED = (
-    "policy",
-    "signal",
-    "embedding",
-    "support",
-    "nu",
-    "bandwidth_factor",
-    "bandwidth_unit",
-    "precedent_embedding",
-    "threshold_rule",
-    "false_alarm_rate",
-    "expert_budget",
-    "calibration",
-)
-"""options of the same name and meaning as in `LearningPlan`"""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Train:
+class Train(Planned):
     """Fit a policy, the support of its training states, and the threshold of its gate.
 
     All labelled states of the store are trained on, but for some expert episodes, which are held
@@ -49,31 +38,9 @@ class Train:
     """directory of the episodes, as `sheath collect` records them, or a URL"""
     checkpoint: Path
     """file to write, such as runs/first.npz"""
-    policy: str | None = None
-    """name, as `sheath tasks` lists it; the task's own by default, as with all that follow"""
-    signal: str | None = None
-    """name; what the gate looks at"""
-    embedding: str | None = None
-    """name; what of the policy the support is estimated on"""
-    support: str | None = None
-    """name of the support estimator"""
-    nu: float | None = None
-    """0 .. 1, bound on the share of training states outside the support"""
-    bandwidth_factor: float | None = None
-    """c of the RBF exp(-|x-y|²/c), in the unit below"""
-    bandwidth_unit: str | None = None
-    """median (of the squared distances between training states) or dimensions (the number of
-    features)"""
-    precedent_embedding: str | None = None
-    """name; in what of the policy precedents of its action are looked for"""
-    threshold_rule: str | None = None
-    """steps, episodes, budget or boundary: what the threshold keeps to"""
-    false_alarm_rate: float | None = None
-    """0 .. 1, share of new expert steps (or episodes) at which the gate may call the expert
-    needlessly"""
-    expert_budget: float | None = None
-    """0 .. 1, share of the steps that a budget gives to the expert"""
-    calibration: int | None = None
+    policy: PolicyConfig = field(default_factory=PolicyConfig)
+    gate: GateConfig = field(default_factory=GateConfig)
+    calibration: int = Schedule.calibration
     """expert episodes held out for the threshold, at least 3"""
     seed: int = 0
     """of the policy's first weights and the order of its batches"""
@@ -81,10 +48,22 @@ class Train:
     """directory to keep the training states in, where they shall not be read into memory: files
     that are written once per set of episodes and mapped"""
 
+    @property
+    def size(self) -> str:
+        """Name of the plan."""
+        return "full"
+
+    @classmethod
+    def settings(cls, plan: LearningPlan) -> dict[str, Any]:
+        """What `plan` says of policy, gate and held-out episodes."""
+        calibration = plan.schedule.calibration
+        return {"policy": plan.policy, "gate": plan.gate, "calibration": calibration}
+
     def run(self, session: Session) -> int:
         """Fit, save, and print what came of it."""
         task = session.task(self.task)
-        plan = planned(task, "full", **{name: getattr(self, name) for name in PLANNED})
+        config = asked_policy(self.policy, plan_named(task, self.size))
+        Schedule(calibration=self.calibration)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.mapped import mapped_samples
@@ -93,25 +72,23 @@ class Train:
         from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
-        from sheath_manip.signals import make_signal, planned_signal
-        from sheath_manip.support.calibration import threshold_rule
+        from sheath_manip.signals import make_signal
         from sheath_manip.types.samples import samples_from
 
         with opened(task, "default") as environment:
             spec = environment.spec
 
         def fresh_policy() -> "Policy":
-            return make_policy(plan.policy, spec, seed=self.seed, **plan.policy_settings)
+            return make_policy(config.name, spec, seed=self.seed, **config.settings)
 
         # Before the fit, which takes its time, so that a wrong name is told at once.
         policy = fresh_policy()
-        make_signal(planned_signal(plan))
-        threshold_rule(plan.threshold_rule)
+        make_signal(planned_signal(self.gate))
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
         store = open_place(self.store)
-        training, held_out = self._split(store, spec.name, plan.calibration)
+        training, held_out = self._split(store, spec.name, self.calibration)
         with session.err.status("reading"):
             states = (
                 samples_from(store.learnable(training))
@@ -119,15 +96,16 @@ class Train:
                 else mapped_samples(store, training, self.cache)
             )
             calibration = [samples_from(store.learnable([name])) for name in held_out]
-        with session.err.status(f"fitting {plan.policy} to {len(states)} states"):
+        with session.err.status(f"fitting {config.name} to {len(states)} states"):
             policy.fit(states)
-        with session.err.status(f"fitting {plan.support} on {plan.embedding}"):
+        with session.err.status(f"fitting {self.gate.support.name} on {self.gate.embedding}"):
             fitted = fit_gate(
                 policy,
                 states,
                 calibration,
-                plan,
+                self.gate,
                 spec.name,
+                policy_name=config.name,
                 run_seed=self.seed,
                 agreement=lambda: held_out_agreement(
                     fresh_policy, states, tolerance=spec.action.tolerance
@@ -145,7 +123,7 @@ class Train:
             "states that the policy may act in": f"{inside:.1%}",
             "threshold": f"{fitted.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
-            f"episodes it was set on; {plan.false_alarm_rate:.1%} asked for",
+            f"episodes it was set on; {self.gate.threshold.false_alarm_rate:.1%} asked for",
             "digest": digest(self.checkpoint),
         }
         for name, value in rows.items():

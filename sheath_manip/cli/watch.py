@@ -5,8 +5,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
+from typing import Annotated
 
-from sheath_manip.cli.options import Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.rollout.pacing import Pacing
@@ -35,7 +36,7 @@ class Watch:
     """of the task"""
     speed: float = 1.0
     """1 is the task's control rate, 2 twice as fast"""
-    address: Address = field(default_factory=Address)
+    address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Run episodes for ever."""

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.exceptions import StoreError
+from sheath_manip.learning.flat_plans import upgraded
 
 Summary = Mapping[str, Any]
 
@@ -102,6 +103,6 @@ def _bench_verdict(name: str, line: Mapping[str, Any], source: str) -> Verdict:
 
 def _read(path: Path) -> Summary:
     try:
-        return json.loads(path.read_text())
-    except (OSError, ValueError) as error:
+        return upgraded(json.loads(path.read_text()))
+    except (OSError, ValueError, AttributeError) as error:
         raise StoreError(f"{path} is no result ({error}); run its experiment again") from error

@@ -81,9 +81,9 @@ def run_experiment(
     for name in figures or ():
         if name not in known:
             raise UnknownNameError("figure", name, known)
-    for name in plan.methods:
+    for name in plan.comparison.methods:
         follows = method_named(name).follows
-        if follows is not None and follows not in plan.methods:
+        if follows is not None and follows not in plan.comparison.methods:
             raise ParameterError(f"method {name} follows {follows}: add {follows} to the methods")
     runs.mkdir(parents=True, exist_ok=True)
     require_same_plan(plan.described(), runs / "plan.json")
@@ -91,8 +91,11 @@ def run_experiment(
     stopwatch = Stopwatch(runs / "wall.json")
 
     held_against = reference_jobs(task, plan, runs)
-    jobs = [*(Job(task, plan, runs, seed, PREPARE) for seed in plan.seeds), *held_against]
-    units = plan.units() + plan.final * len(held_against)
+    jobs = [
+        *(Job(task, plan, runs, seed, PREPARE) for seed in plan.comparison.seeds),
+        *held_against,
+    ]
+    units = plan.units() + plan.comparison.final_episodes * len(held_against)
     with shown_progress(console, units, stopwatch) as report:
         run_jobs(jobs, _next_jobs, workers, report, listeners)
     wall_s = stopwatch.tick(force=True)
@@ -110,7 +113,7 @@ def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
     if isinstance(done, Reference):
         return []
     plan = done.plan
-    methods = [method_named(name) for name in plan.methods]
+    methods = [method_named(name) for name in plan.comparison.methods]
     wanted = None if done.method == PREPARE else done.method
     ready = [method.name for method in methods if method.follows == wanted]
     # What others wait for goes first.
@@ -121,18 +124,20 @@ def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
 def _summary(
     task: TaskEntry, plan: LearningPlan, runs: Path, command: str, wall_s: float
 ) -> dict[str, Any]:
+    comparison = plan.comparison
     results = {
-        name: [result for seed in plan.seeds for result in round_results(runs, seed, name)]
-        for name in plan.methods
+        name: [result for seed in comparison.seeds for result in round_results(runs, seed, name)]
+        for name in comparison.methods
     }
     store = EpisodeStore(runs / "store")
     expert = [
         record_of(episode)
         for episode in store.episodes(method=EXPERT, need_images=False)
         # Whom a push made fail says nothing of the expert.
-        if plan.demonstration_noise == 0 or episode.info.purpose is not Purpose.DEMONSTRATION
+        if plan.schedule.demonstration_noise == 0
+        or episode.info.purpose is not Purpose.DEMONSTRATION
     ]
-    environment = task.make_for_run(plan.variant, plan.seeds[0])
+    environment = task.make_for_run(plan.schedule.variant, comparison.seeds[0])
     environment.close()
     return summarise(
         task.name,
@@ -155,9 +160,10 @@ def _figures(
     names: Sequence[str] | None,
 ) -> list[Path]:
     store = EpisodeStore(runs / "store")
-    shown = "sheath" if "sheath" in plan.methods else plan.methods[0]
-    last = round_results(runs, plan.seeds[0], shown)[-1]
-    environment = task.make_for_run(plan.variant, last.run_seed)
+    methods, variant = plan.comparison.methods, plan.schedule.variant
+    shown = "sheath" if "sheath" in methods else methods[0]
+    last = round_results(runs, plan.comparison.seeds[0], shown)[-1]
+    environment = task.make_for_run(variant, last.run_seed)
     try:
         path = round_path(runs, last.run_seed, last.method, last.round, "npz")
         checkpoint = load_checkpoint(path, environment.spec)
@@ -165,7 +171,7 @@ def _figures(
             name: partial(draw, store, checkpoint, environment)
             for name, draw in task.figures.items()
         }
-        view = View(pictures_of(task, plan.variant), environment.spec.action)
+        view = View(pictures_of(task, variant), environment.spec.action)
         return write_figures(results, summary, store, own, names, view)
     finally:
         environment.close()

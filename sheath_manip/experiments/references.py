@@ -31,15 +31,17 @@ class Reference:
     def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Act in the expert's place on the final scenes, unless that is done."""
         del listeners
-        path = _path(self.runs, self.name)
+        path, comparison = _path(self.runs, self.name), self.plan.comparison
         if path.exists():
-            for _ in range(self.plan.final):
+            for _ in range(comparison.final_episodes):
                 report(self.name)
             return
-        environment = self.task.make_for_run(self.plan.final_variant, self.plan.seeds[0])
+        environment = self.task.make_for_run(comparison.final_variant, comparison.seeds[0])
         acting = self.task.references[self.name](environment)
-        held_out = self.plan.held_out_set
-        seeds = [scene_seed(Purpose.EVALUATION, held_out, i) for i in range(self.plan.final)]
+        seeds = [
+            scene_seed(Purpose.EVALUATION, comparison.held_out_set, index)
+            for index in range(comparison.final_episodes)
+        ]
         records = evaluate_expert(environment, acting, self.name, seeds, report)
         environment.close()
         write_json(path, plain(asdict(figures_of(records))))

@@ -53,7 +53,7 @@ def summarise(
             "experiment": task_name,
             "command": command,
             "git": git_revision(),
-            "seeds": plan.seeds,
+            "seeds": plan.comparison.seeds,
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
             "metric": metric,

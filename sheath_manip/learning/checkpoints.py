@@ -45,7 +45,8 @@ class Checkpoints:
     ) -> Checkpoint:
         """`first` as it is, or its policy under the method's own gate where it has another."""
         plan = method.plan(self.plan)
-        if plan == self.plan:
+        # Which states get labels is nothing that a checkpoint is fitted to.
+        if plan.changed(gate={"labels": self.plan.gate.labels}) == self.plan:
             return first
 
         def fit() -> Checkpoint:
@@ -79,12 +80,12 @@ class Checkpoints:
 
         def fit() -> Checkpoint:
             if len(new) == 0:
-                again = plan.recalibrate
-                return calibrated(previous, calibration, plan, visited) if again else previous
+                again = plan.gate.threshold.recalibrate
+                return calibrated(previous, calibration, plan.gate, visited) if again else previous
             # A copy: what drove the round is yet to be measured.
             policy = self._fresh_policy(plan).load(previous.policy.arrays())
             policy.fit(new if method.latest_only else aggregated)
-            if not (method.looks or plan.refit_unused):
+            if not (method.looks or plan.schedule.refit_unused):
                 return with_policy(previous, policy)
             return self._with_gate(plan, policy, aggregated, calibration, previous, visited)
 
@@ -107,8 +108,9 @@ class Checkpoints:
             policy,
             states,
             calibration,
-            plan,
+            plan.gate,
             self.spec.name,
+            policy_name=plan.policy.name,
             agreement=partial(
                 held_out_agreement,
                 partial(self._fresh_policy, plan),
@@ -121,7 +123,7 @@ class Checkpoints:
 
     def _fresh_policy(self, plan: LearningPlan) -> Policy:
         seed = seed_for("policy", self.run_seed)
-        return make_policy(plan.policy, self.spec, seed, **plan.policy_settings)
+        return make_policy(plan.policy.name, self.spec, seed, **plan.policy.settings)
 
     def _read_or(self, fit: Callable[[], Checkpoint], method: str, number: int) -> Checkpoint:
         path = self._path(method, number)

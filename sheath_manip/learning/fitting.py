@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import Agreement, Policy, Refits, Signal
-from sheath_manip.signals import make_signal, planned_signal
+from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
     or_nothing_inside,
-    threshold_rule,
+    planned_threshold,
 )
 from sheath_manip.types.samples import Samples
 
@@ -20,16 +20,17 @@ def fit_gate(
     policy: Policy,
     states: Samples,
     calibration: Sequence[Samples],
-    plan: LearningPlan,
+    config: GateConfig,
     task: str,
     *,
+    policy_name: str,
     run_seed: int = 0,
     agreement: Agreement | None = None,
     previous: Checkpoint | None = None,
     visited: Samples | None = None,
     signal: Signal | None = None,
 ) -> Checkpoint:
-    """Fit the plan's signal to the policy's training `states`, and calibrate the threshold.
+    """Fit the signal of `config` to the policy's training `states`, and calibrate the threshold.
 
     Where too many states have no score for any threshold, the gate takes none for inside.
 
@@ -37,50 +38,50 @@ def fit_gate(
         policy: fitted to `states`.
         states: that it was trained on.
         calibration: expert episodes that no fit has seen, one `Samples` each.
-        plan: names signal, embedding, support and rule.
+        config: names signal, embedding, support and rule.
         task: name of the task.
+        policy_name: of `policy`, in POLICIES.
         run_seed: of the training run.
         agreement: for supports that ask where the policy is right.
-        previous: of the round before, whose threshold stays where the plan calibrates only once.
+        previous: of the round before, whose threshold stays where `config` calibrates only once.
         visited: all states of the last round's episodes, for a budget; where there are none yet,
             the calibration episodes stand in.
-        signal: unfitted, of the plan's choice; made anew where it is not given.
+        signal: unfitted, as `config` chooses it; made anew where it is not given.
     """
-    choice = planned_signal(plan)
+    choice = planned_signal(config)
     signal = make_signal(choice) if signal is None else signal
     signal.fit(policy, states, agreement).calibrate(calibration)
     fitted = Checkpoint(
         task=task,
-        policy_name=plan.policy,
+        policy_name=policy_name,
         policy=policy,
         signal_choice=choice,
         signal=signal,
         threshold=float("nan") if previous is None else previous.threshold,
         release_margin=0.0 if previous is None else previous.release_margin,
-        false_alarm_rate=plan.false_alarm_rate,
+        false_alarm_rate=config.threshold.false_alarm_rate,
         method="",
         round=0,
         run_seed=run_seed,
     )
-    if previous is not None and not plan.recalibrate:
+    if previous is not None and not config.threshold.recalibrate:
         return fitted
-    return calibrated(fitted, calibration, plan, visited)
+    return calibrated(fitted, calibration, config, visited)
 
 
 def calibrated(
     checkpoint: Checkpoint,
     calibration: Sequence[Samples],
-    plan: LearningPlan,
+    config: GateConfig,
     visited: Samples | None = None,
 ) -> Checkpoint:
-    """`checkpoint` with its threshold, and how far above it the expert hands back, by the plan."""
+    """`checkpoint` with its threshold, and how far above it the expert hands back."""
     held_out = [checkpoint.scores(episode) for episode in calibration]
     met = held_out if visited is None else [checkpoint.scores(visited)]
-    rule = threshold_rule(plan.threshold_rule)
-    threshold = or_nothing_inside(lambda: rule(held_out, met, plan))
+    threshold = planned_threshold(held_out, met, config.threshold)
     margin = 0.0
-    if plan.release_rate > 0:
-        release = or_nothing_inside(lambda: held_out_threshold(held_out, plan.release_rate))
+    if config.release_rate > 0:
+        release = or_nothing_inside(lambda: held_out_threshold(held_out, config.release_rate))
         margin = max(0.0, release - threshold)
     return replace(checkpoint, threshold=threshold, release_margin=margin)
 

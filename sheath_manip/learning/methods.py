@@ -1,8 +1,7 @@
 """The algorithms, each a choice of gate: who acts, and which states get the expert's label."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates import (
@@ -72,50 +71,60 @@ class Method:
     """fit the policy to the last round's states alone, not to all so far"""
 
 
-def _sheath(context: RoundContext, query: bool = True) -> Gate:
-    plan, checkpoint = context.plan, context.checkpoint
+def _sheath(context: RoundContext) -> Gate:
+    config, checkpoint = context.plan.gate, context.checkpoint
     return SupportGate(
         checkpoint.score,
         checkpoint.threshold,
-        query=query,
-        release_margin=checkpoint.release_margin + plan.release_margin,
-        quiet_steps=plan.quiet_steps,
-        minimum_hold_steps=plan.minimum_hold_steps,
+        query=config.labels == "all",
+        release_margin=checkpoint.release_margin + config.release_margin,
+        quiet_steps=config.quiet_steps,
+        minimum_hold_steps=config.minimum_hold_steps,
     )
 
 
-_own_labels = partial(_sheath, query=False)
+def _own_labels(plan: LearningPlan) -> LearningPlan:
+    return plan.changed(gate={"labels": "own"})
+
+
+def _lazy(plan: LearningPlan) -> LearningPlan:
+    return plan.changed(gate={"labels": "own", "release_rate": RELEASE_RATE})
+
+
+def _thrifty(plan: LearningPlan) -> LearningPlan:
+    threshold = {"rule": "budget", "recalibrate": True}
+    return plan.changed(gate={"labels": "own", "threshold": threshold})
 
 
 def _on_raw_features(plan: LearningPlan) -> LearningPlan:
-    if plan.embedding not in FEATURE_EMBEDDINGS:
+    if plan.gate.embedding not in FEATURE_EMBEDDINGS:
         return plan
-    return replace(plan, embedding="features", precedent_embedding="features")
+    return plan.changed(gate={"embedding": "features", "precedent_embedding": "features"})
 
 
 def _paper(plan: LearningPlan) -> LearningPlan:
-    return replace(
-        _on_raw_features(plan),
-        signal="support",
-        support="one-class-svm",
-        nu=PAPER_NU,
-        bandwidth_factor=PAPER_BANDWIDTH,
-        bandwidth_unit="dimensions",
-        threshold_rule="boundary",
-    )
+    support = {
+        "name": "one-class-svm",
+        "nu": PAPER_NU,
+        "bandwidth_factor": PAPER_BANDWIDTH,
+        "bandwidth_unit": "dimensions",
+    }
+    gate = {"signal": "support", "support": support, "threshold": {"rule": "boundary"}}
+    return _on_raw_features(plan).changed(gate=gate)
 
 
 def _smile(plan: LearningPlan) -> LearningPlan:
     settings = {
-        "member": plan.policy,
-        "member_settings": plan.policy_settings,
-        "alpha": plan.alpha,
+        "member": plan.policy.name,
+        "member_settings": plan.policy.settings,
+        "alpha": plan.schedule.alpha,
     }
     # A mixture has no convolutions to look through, nor weights of its own.
-    mixed = replace(_on_raw_features(plan), policy="smile", policy_settings=settings)
-    if plan.embedding in FEATURE_EMBEDDINGS:
+    mixed = _on_raw_features(plan).changed(policy={"name": "smile", "settings": settings})
+    if plan.gate.embedding in FEATURE_EMBEDDINGS:
         return mixed
-    return replace(mixed, embedding="pixels-whitened", precedent_embedding="pixels-whitened")
+    looking = {"embedding": "pixels-whitened", "precedent_embedding": "pixels-whitened"}
+    return mixed.changed(gate=looking)
 
 
 METHODS = {
@@ -129,20 +138,21 @@ METHODS = {
         Method(
             "dagger-beta",
             "the expert at random, with probability beta^i in round i, else the policy",
-            lambda context: Mixture(context.plan.beta**context.round),
+            lambda context: Mixture(context.plan.schedule.beta**context.round),
             looks=False,
         ),
         Method(
             "smile",
             "the policies of all rounds at random, and less and less the expert",
-            lambda context: Mixture(expert_weight(context.plan.alpha, context.round)),
+            lambda context: Mixture(expert_weight(context.plan.schedule.alpha, context.round)),
             plan=_smile,
             begin=as_first_member,
             looks=False,
             latest_only=True,
         ),
         Method("sheath", "the policy inside its support, the expert outside", _sheath),
-        Method("sheath-own-labels", "SHEATH, learning from the expert's own steps", _own_labels),
+        Method("sheath-own-labels", "SHEATH, learning from the expert's own steps", _sheath,
+               plan=_own_labels),
         Method("sheath-plain", "SHEATH as in the draft: the support's own boundary", _sheath,
                plan=_paper),
         Method(
@@ -159,14 +169,14 @@ METHODS = {
         Method(
             "lazy-dagger",
             "SHEATH with own labels, handing back well inside only",
-            _own_labels,
-            plan=lambda plan: replace(plan, release_rate=RELEASE_RATE),
+            _sheath,
+            plan=_lazy,
         ),
         Method(
             "thrifty-dagger",
             "SHEATH with own labels, at the threshold of an intervention budget",
-            _own_labels,
-            plan=lambda plan: replace(plan, threshold_rule="budget", recalibrate=True),
+            _sheath,
+            plan=_thrifty,
         ),
         Method(
             "random-takeover",

@@ -7,6 +7,8 @@ from typing import Any
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.json_files import plain, write_json
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.flat_plans import upgraded
 
 
 def require_same_plan(settings: Mapping[str, Any], path: Path) -> None:
@@ -15,10 +17,29 @@ def require_same_plan(settings: Mapping[str, Any], path: Path) -> None:
     if not path.exists():
         write_json(path, described)
         return
-    held = json.loads(path.read_text())
+    held, described = (
+        _leaves(each) for each in (upgraded(json.loads(path.read_text())), described)
+    )
     if held != described:
-        keys = sorted(key for key in {*held, *described} if held.get(key) != described.get(key))
+        names = sorted(
+            name for name in {*held, *described} if held.get(name) != described.get(name)
+        )
         raise ParameterError(
-            f"{path.parent} holds a run with another {', '.join(keys)}; "
+            f"{path.parent} holds a run with another {', '.join(names)}; "
             "resume with the same settings, name another directory, or start it afresh"
         )
+
+
+def without_seeds(plan: LearningPlan) -> dict[str, Any]:
+    """Return the settings of `plan` that runs of several seeds in one directory have in common."""
+    settings = plan.described()
+    return {**settings, "comparison": {**settings["comparison"], "seeds": None}}
+
+
+def _leaves(content: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """The values by their dotted names."""
+    leaves: dict[str, Any] = {}
+    for name, value in content.items():
+        inner = _leaves(value, f"{above}{name}.") if isinstance(value, Mapping) else {}
+        leaves |= inner or {f"{above}{name}": value}
+    return leaves

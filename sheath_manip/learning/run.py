@@ -86,13 +86,13 @@ class LearningRun:
         self.store = store
         self.listeners = listeners
         self.report = report
-        self.environment = task.make_for_run(plan.variant, run_seed)
+        self.environment = task.make_for_run(plan.schedule.variant, run_seed)
         self._supervised = supervised or _as_it_is
         self._demonstrated = demonstrated or _as_it_is
         expert = AskedOnce(task.expert(self.environment))
         action = self.environment.spec.action
         self.person = attentive_person(expert, action) if person is None else person(expert)
-        self.disturbed = DisturbedExpert(expert, action, plan.demonstration_noise)
+        self.disturbed = DisturbedExpert(expert, action, plan.schedule.demonstration_noise)
         self.recording = Recording(self.environment, expert, run_seed, store, listeners, report)
         self.checkpoints = Checkpoints(self.environment.spec, plan, run_seed, directory)
 
@@ -105,14 +105,15 @@ class LearningRun:
 
     def start(self) -> Common:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
-        plan = self.plan
+        schedule = self.plan.schedule
         demonstrations = self._demonstrations()
-        held_out = self._expert_episodes(Purpose.CALIBRATION, plan.calibration + plan.check)
+        count = schedule.calibration + schedule.false_alarm_episodes
+        held_out = self._expert_episodes(Purpose.CALIBRATION, count)
         samples = [samples_from([episode]) for episode in held_out]
-        calibration, check = samples[: plan.calibration], samples[plan.calibration :]
+        calibration, check = samples[: schedule.calibration], samples[schedule.calibration :]
         states = samples_from(demonstrations)
         # Whom a push made fail says nothing of the expert.
-        undisturbed = demonstrations if plan.demonstration_noise == 0 else []
+        undisturbed = demonstrations if schedule.demonstration_noise == 0 else []
         records = [record_of(episode) for episode in (*undisturbed, *held_out)]
         checkpoint = self._fitted(self.checkpoints.first(states, calibration), states)
         return Common(checkpoint, states, calibration, check, records)
@@ -175,8 +176,8 @@ class LearningRun:
         return checkpoint
 
     def _demonstrations(self) -> list[Episode]:
-        count = self.plan.demonstrations
-        if self.plan.demonstration_noise == 0:
+        count = self.plan.schedule.demonstrations
+        if self.plan.schedule.demonstration_noise == 0:
             return self._expert_episodes(Purpose.DEMONSTRATION, count)
         gate = partial(AlwaysPolicy, query=True)
         return self.recording.episodes(
@@ -201,7 +202,7 @@ class LearningRun:
             Purpose.LEARNING,
             method.name,
             number,
-            self.plan.episodes,
+            self.plan.schedule.episodes,
             partial(_around, self._supervised, partial(method.gate, context)),
             checkpoint.policy,
             self.checkpoints.digest(checkpoint),
@@ -233,11 +234,12 @@ class LearningRun:
         measures = measures_of(
             episodes, visited, driver, fitted, aggregated, common.check, tolerance
         )
-        alone = self._alone(self.environment, fitted, self.plan.held_out)
+        alone = self._alone(self.environment, fitted, self.plan.comparison.evaluation_episodes)
         final: Sequence[EpisodeRecord] = ()
         if self._is_last(fitted.method, fitted.round, measures.surrogate_loss):
-            environment = self.task.make_for_run(self.plan.final_variant, self.run_seed)
-            final = self._alone(environment, fitted, self.plan.final)
+            comparison = self.plan.comparison
+            environment = self.task.make_for_run(comparison.final_variant, self.run_seed)
+            final = self._alone(environment, fitted, comparison.final_episodes)
             environment.close()
         return RoundResult(
             method=fitted.method,
@@ -260,20 +262,20 @@ class LearningRun:
         self, environment: Environment, checkpoint: Checkpoint, count: int
     ) -> list[EpisodeRecord]:
         """The policy alone, on the same scenes for every method, seed and round."""
-        held_out = self.plan.held_out_set
+        held_out = self.plan.comparison.held_out_set
         seeds = [scene_seed(Purpose.EVALUATION, held_out, index) for index in range(count)]
         return evaluate_policy(environment, checkpoint, seeds, self.report)
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.
-        good_enough = number > 0 and surrogate_loss < self.plan.stop_below_loss
+        good_enough = number > 0 and surrogate_loss < self.plan.schedule.stop_below_loss
         return number == self._rounds_of(method) or good_enough
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""
         follows = METHODS[method].follows if method in METHODS else None
         followed = None if follows is None else self._finished(follows)
-        return self.plan.rounds if followed is None else followed[-1].round
+        return self.plan.schedule.rounds if followed is None else followed[-1].round
 
     def _finished(self, method: str) -> list[RoundResult] | None:
         """The rounds of a method that needs no more of them: its last policy has been judged."""

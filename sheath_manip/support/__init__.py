@@ -18,30 +18,27 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
-from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import SupportEstimator
-from sheath_manip.support.agreeing_states import AgreeingSupport
-from sheath_manip.support.disagreement import DisagreementSupport
-from sheath_manip.support.distillation import DistillationSupport
-from sheath_manip.support.kernel_density import KernelDensitySupport
-from sheath_manip.support.loss_aware_svm import LossAwareSupport
-from sheath_manip.support.mahalanobis import MahalanobisSupport
-from sheath_manip.support.neighbors import NeighborSupport
-from sheath_manip.support.one_class_svm import OneClassSupport
-from sheath_manip.support.reconstruction import ReconstructionSupport
+from sheath_manip.registry import Registry
+from sheath_manip.support.config import SupportConfig
 
-SUPPORTS: dict[str, Callable[..., SupportEstimator]] = {
-    "one-class-svm": OneClassSupport,
-    "loss-aware-svm": LossAwareSupport,
-    "agreeing-svm": AgreeingSupport,
-    "neighbors": NeighborSupport,
-    "kernel-density": KernelDensitySupport,
-    "mahalanobis": MahalanobisSupport,
-    "reconstruction": ReconstructionSupport,
-    "distillation": DistillationSupport,
-    "disagreement": DisagreementSupport,
-}
+_HERE = "sheath_manip.support"
+
+SUPPORTS: Registry[Callable[..., SupportEstimator]] = Registry(
+    "support estimator",
+    "sheath.supports",
+    {
+        "one-class-svm": f"{_HERE}.one_class_svm:OneClassSupport",
+        "loss-aware-svm": f"{_HERE}.loss_aware_svm:LossAwareSupport",
+        "agreeing-svm": f"{_HERE}.agreeing_states:AgreeingSupport",
+        "neighbors": f"{_HERE}.neighbors:NeighborSupport",
+        "kernel-density": f"{_HERE}.kernel_density:KernelDensitySupport",
+        "mahalanobis": f"{_HERE}.mahalanobis:MahalanobisSupport",
+        "reconstruction": f"{_HERE}.reconstruction:ReconstructionSupport",
+        "distillation": f"{_HERE}.distillation:DistillationSupport",
+        "disagreement": f"{_HERE}.disagreement:DisagreementSupport",
+    },
+)
 """Called with hyperparameters by name."""
 
 DEFAULT_SUPPORT = "one-class-svm"
@@ -49,17 +46,15 @@ DEFAULT_SUPPORT = "one-class-svm"
 
 def make_support(name: str = DEFAULT_SUPPORT, **hyperparameters: Any) -> SupportEstimator:
     """A fresh estimator of the table; UnknownNameError for a name that is not in it."""
-    if name not in SUPPORTS:
-        raise UnknownNameError("support estimator", name, SUPPORTS)
     return SUPPORTS[name](**hyperparameters)
 
 
-def support_hyperparameters(plan: LearningPlan) -> dict[str, Any]:
-    """What `plan` sets of its estimator; a bandwidth is for those that have one."""
+def support_hyperparameters(config: SupportConfig) -> dict[str, Any]:
+    """What `config` sets of its estimator; a bandwidth is for those that have one."""
     asked = {
-        "nu": plan.nu,
-        "bandwidth_factor": plan.bandwidth_factor,
-        "bandwidth_unit": plan.bandwidth_unit,
+        "nu": config.nu,
+        "bandwidth_factor": config.bandwidth_factor,
+        "bandwidth_unit": config.bandwidth_unit,
     }
-    taken = inspect.signature(type(make_support(plan.support))).parameters
+    taken = inspect.signature(type(make_support(config.name))).parameters
     return {name: value for name, value in asked.items() if name in taken}

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import ParameterError, UnknownNameError, UnscoredError
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.exceptions import ParameterError, UnscoredError
+from sheath_manip.support.config import ThresholdConfig
 
 # One lap calibrates badly (.84-.99 of a new lap inside), three pooled ones well (.94-.96).
 LEAST_EPISODES = 3
@@ -145,22 +145,30 @@ def budget_threshold(scores: NDArray, expert_share: float) -> float:
     return float(ordered[below])
 
 
-ThresholdRule = Callable[[Sequence[NDArray], Sequence[NDArray], LearningPlan], float]
-"""from the scores of held-out expert episodes and of what the policy met last, and the plan"""
+ThresholdRule = Callable[[Sequence[NDArray], Sequence[NDArray], ThresholdConfig], float]
+"""from the scores of held-out expert episodes and of what the policy met last, and the config"""
 
 THRESHOLD_RULES: dict[str, ThresholdRule] = {
-    "steps": lambda held_out, _, plan: held_out_threshold(held_out, plan.false_alarm_rate),
-    "episodes": lambda held_out, _, plan: episode_threshold(held_out, plan.false_alarm_rate),
+    "steps": lambda held_out, _, config: held_out_threshold(held_out, config.false_alarm_rate),
+    "episodes": lambda held_out, _, config: episode_threshold(held_out, config.false_alarm_rate),
     "boundary": lambda *_: 0.0,
-    "budget": lambda _, met, plan: budget_threshold(np.concatenate(met), plan.expert_budget),
+    "budget": lambda _, met, config: budget_threshold(np.concatenate(met), config.expert_budget),
 }
+"""by the names of `support.config.RULES`"""
 
 
-def threshold_rule(name: str) -> ThresholdRule:
-    """The rule; raises UnknownNameError."""
-    if name not in THRESHOLD_RULES:
-        raise UnknownNameError("threshold rule", name, THRESHOLD_RULES)
-    return THRESHOLD_RULES[name]
+def planned_threshold(
+    held_out: Sequence[NDArray], met: Sequence[NDArray], config: ThresholdConfig
+) -> float:
+    """The threshold that `config` asks for, or one that fails safe where none will do.
+
+    Args:
+        held_out: scores of held-out expert episodes, (n_k,) each.
+        met: scores of what the policy met last, (n_k,) each.
+        config: rule and rate.
+    """
+    rule = THRESHOLD_RULES[config.rule]
+    return or_nothing_inside(lambda: rule(held_out, met, config))
 
 
 def _check_between(name: str, value: float) -> None:

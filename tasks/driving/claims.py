@@ -64,7 +64,7 @@ def experts_failure_rate(summary: Summary) -> float:
 
 def false_alarm_error(summary: Summary) -> float:
     """How far SHEATH's mean false-alarm rate on fresh expert laps is from the asked one."""
-    asked = summary["plan"]["false_alarm_rate"]
+    asked = summary["plan"]["gate"]["threshold"]["false_alarm_rate"]
     return abs(summary["methods"]["sheath"]["overall"]["false_alarm_rate"] - asked)
 
 
@@ -80,7 +80,7 @@ def training_seeds(summary: Summary) -> float:
 
 def held_out_scenes(summary: Summary) -> float:
     """Scenes on which the policy alone is judged after each round."""
-    return summary["plan"]["held_out"]
+    return summary["plan"]["comparison"]["evaluation_episodes"]
 
 
 def wall_minutes(summary: Summary) -> float:

@@ -1,13 +1,15 @@
 """Driving's entry in the table of tasks."""
 
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
+from sheath_manip.support.config import ThresholdConfig
 from sheath_manip.task import TaskEntry
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.claims import CLAIMS
@@ -54,17 +56,11 @@ def gate_map_figure(*arguments: Any) -> None:
 # For how the support's size changes learning (the draft's section IV-B): the support alone, at its
 # own boundary.
 _NU = LearningPlan(
-    methods=("sheath",),
-    signal="support",
-    threshold_rule="boundary",
-    seeds=(0,),
-    demonstrations=6,
-    calibration=3,
-    check=3,
-    rounds=4,
-    episodes=4,
-    held_out=8,
-    final=1,
+    gate=GateConfig(signal="support", threshold=ThresholdConfig(rule="boundary")),
+    schedule=Schedule(
+        demonstrations=6, calibration=3, false_alarm_episodes=3, rounds=4, episodes=4
+    ),
+    comparison=Comparison(methods=("sheath",), seeds=(0,), evaluation_episodes=8, final_episodes=1),
 )
 
 DRIVING = TaskEntry(
@@ -83,32 +79,36 @@ DRIVING = TaskEntry(
     plans={
         "full": LearningPlan(),
         # As in the draft: three laps, one convolution layer, the support on its last hidden layer.
-        "paper": LearningPlan(policy="paper-cnn", embedding="penultimate", demonstrations=3),
+        "paper": LearningPlan(
+            policy=PolicyConfig("paper-cnn"),
+            gate=GateConfig(embedding="penultimate"),
+            schedule=Schedule(demonstrations=3),
+        ),
         "nu": _NU,
         # Without a network to train.
-        "nu-quick": replace(
-            _NU,
-            policy="hog-svm",
-            embedding="pixels",
-            precedent_embedding="pixels",
-            demonstrations=2,
-            check=1,
-            rounds=2,
-            episodes=2,
-            held_out=2,
+        "nu-quick": _NU.changed(
+            policy={"name": "hog-svm"},
+            gate={"embedding": "pixels", "precedent_embedding": "pixels"},
+            schedule={
+                "demonstrations": 2,
+                "false_alarm_episodes": 1,
+                "rounds": 2,
+                "episodes": 2,
+            },
+            comparison={"evaluation_episodes": 2},
         ),
         # Painting doubles a cold fit, and a first look can do without.
         "quick": LearningPlan(
-            policy="plain-cnn",
-            methods=("dagger", "sheath"),
-            seeds=(0,),
-            demonstrations=6,
-            calibration=4,
-            check=3,
-            rounds=2,
-            episodes=4,
-            held_out=3,
-            final=2,
+            policy=PolicyConfig("plain-cnn"),
+            schedule=Schedule(
+                demonstrations=6, calibration=4, false_alarm_episodes=3, rounds=2, episodes=4
+            ),
+            comparison=Comparison(
+                methods=("dagger", "sheath"),
+                seeds=(0,),
+                evaluation_episodes=3,
+                final_episodes=2,
+            ),
         ),
     },
     figures={"support.png": support_figure, "gate_map.png": gate_map_figure},

@@ -19,7 +19,8 @@ def default(summary: Summary) -> Mapping[str, Any]:
 def support(summary: Summary) -> Mapping[str, Any]:
     """The row of the default embedding and estimator: the signal that ought to know the places."""
     found = summary["tasks"]["driving"]
-    return found["rows"][f"{found['learning']['embedding']}/{found['learning']['support']}"]
+    gate = found["learning"]["gate"]
+    return found["rows"][f"{gate['embedding']}/{gate['support']['name']}"]
 
 
 def auroc(displacement: str, summary: Summary) -> float:
@@ -69,12 +70,14 @@ def setting(name: str, summary: Summary) -> float:
 
 def learning(name: str, summary: Summary) -> float:
     """Of what was demonstrated."""
-    return summary["tasks"]["driving"]["learning"][name]
+    return summary["tasks"]["driving"]["learning"]["schedule"][name]
 
 
 CLAIMS = (
     Claim("demonstrated laps", partial(learning, "demonstrations"), ">=", partial(constant, 10)),
-    Claim("new expert laps", partial(learning, "check"), ">=", partial(constant, 10)),
+    Claim(
+        "new expert laps", partial(learning, "false_alarm_episodes"), ">=", partial(constant, 10)
+    ),
     Claim(
         "laps that calibrate the few-lap threshold",
         partial(setting, "few"),

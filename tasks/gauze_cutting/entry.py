@@ -1,6 +1,5 @@
 """Gauze cutting's entry in the table of tasks."""
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -8,7 +7,10 @@ from numpy.typing import NDArray
 
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.planar import PlanarHands
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
+from sheath_manip.support.config import ThresholdConfig
 from sheath_manip.task import TaskEntry
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.claims import CLAIMS
@@ -48,24 +50,26 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 
 
 _FULL = LearningPlan(
-    policy="egocentric-cnn",
-    policy_settings={"spatial_settings": {"steps": 800, "warm_steps": 600}},
-    signal="near-joined",
-    embedding="tool-points",
-    precedent_embedding="tool-points",
-    false_alarm_rate=0.1,
-    refit_unused=False,
-    minimum_hold_steps=5,
-    # Few and clean: a policy cloned from them ruins most sheets. Where the expert's hand is pushed
-    # about (`demonstration_noise` of .1) five will do to free 11 of 12 tuning scenes' discs, and
-    # there is little to learn.
-    demonstrations=20,
-    calibration=15,
-    check=8,
-    rounds=5,
-    episodes=10,
-    held_out=6,
-    final=40,
+    policy=PolicyConfig("egocentric-cnn", {"spatial_settings": {"steps": 800, "warm_steps": 600}}),
+    gate=GateConfig(
+        signal="near-joined",
+        embedding="tool-points",
+        precedent_embedding="tool-points",
+        threshold=ThresholdConfig(false_alarm_rate=0.1),
+        minimum_hold_steps=5,
+    ),
+    schedule=Schedule(
+        # Few and clean: a policy cloned from them ruins most sheets. Where the expert's hand is
+        # pushed about (`demonstration_noise` of .1) five will do to free 11 of 12 tuning scenes'
+        # discs, and there is little to learn.
+        demonstrations=20,
+        calibration=15,
+        false_alarm_episodes=8,
+        rounds=5,
+        episodes=10,
+        refit_unused=False,
+    ),
+    comparison=Comparison(evaluation_episodes=6, final_episodes=40),
 )
 
 GAUZE_CUTTING = TaskEntry(
@@ -83,18 +87,21 @@ GAUZE_CUTTING = TaskEntry(
     stand_ins={"hold": hold},
     plans={
         "full": _FULL,
-        "quick": replace(
-            _FULL,
-            policy_settings={"spatial_settings": {"steps": 40, "warm_steps": 10}},
-            methods=("dagger", "sheath"),
-            seeds=(0,),
-            demonstrations=4,
-            calibration=3,
-            check=1,
-            rounds=1,
-            episodes=2,
-            held_out=1,
-            final=1,
+        "quick": _FULL.changed(
+            policy={"settings": {"spatial_settings": {"steps": 40, "warm_steps": 10}}},
+            schedule={
+                "demonstrations": 4,
+                "calibration": 3,
+                "false_alarm_episodes": 1,
+                "rounds": 1,
+                "episodes": 2,
+            },
+            comparison={
+                "methods": ("dagger", "sheath"),
+                "seeds": (0,),
+                "evaluation_episodes": 1,
+                "final_episodes": 1,
+            },
         ),
     },
     references={"registered": registered, "blind": blind},

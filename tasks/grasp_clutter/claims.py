@@ -29,7 +29,7 @@ def success_gained(method: str, summary: Summary) -> float:
 
 def demonstrations(summary: Summary) -> float:
     """Clean ones, that all methods start from."""
-    plan = summary["plan"]
+    plan = summary["plan"]["schedule"]
     return plan["demonstrations"] if plan["demonstration_noise"] == 0 else float("nan")
 
 
@@ -45,7 +45,7 @@ def training_seeds(summary: Summary) -> float:
 
 def final_scenes(summary: Summary) -> float:
     """Held-out scenes on which each of the last policies is judged."""
-    return summary["plan"]["final"]
+    return summary["plan"]["comparison"]["final_episodes"]
 
 
 def wall_minutes(summary: Summary) -> float:

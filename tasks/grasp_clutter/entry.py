@@ -1,6 +1,5 @@
 """Grasping in clutter's entry in the table of tasks."""
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,10 @@ from numpy.typing import NDArray
 from sheath_manip.controllers.back_up import BackUp
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.arm import ArmHands
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
+from sheath_manip.support.config import ThresholdConfig
 from sheath_manip.task import TaskEntry
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.claims import CLAIMS, RECIPE
@@ -57,23 +59,24 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 
 
 _FULL = LearningPlan(
-    policy="spatial-cnn",
-    policy_settings={"steps": 1000, "warm_steps": 600},
-    signal="near-joined",
-    embedding="wrist-convolutions",
-    precedent_embedding="wrist-convolutions",
-    false_alarm_rate=0.1,
-    minimum_hold_steps=5,
-    refit_unused=False,
-    variant="medium",
-    final_variant="medium",
-    demonstrations=60,
-    calibration=20,
-    check=10,
-    rounds=6,
-    episodes=16,
-    held_out=10,
-    final=100,
+    policy=PolicyConfig("spatial-cnn", {"steps": 1000, "warm_steps": 600}),
+    gate=GateConfig(
+        signal="near-joined",
+        embedding="wrist-convolutions",
+        precedent_embedding="wrist-convolutions",
+        threshold=ThresholdConfig(false_alarm_rate=0.1),
+        minimum_hold_steps=5,
+    ),
+    schedule=Schedule(
+        demonstrations=60,
+        calibration=20,
+        false_alarm_episodes=10,
+        rounds=6,
+        episodes=16,
+        refit_unused=False,
+        variant="medium",
+    ),
+    comparison=Comparison(evaluation_episodes=10, final_episodes=100, final_variant="medium"),
 )
 
 GRASP_CLUTTER = TaskEntry(
@@ -92,34 +95,38 @@ GRASP_CLUTTER = TaskEntry(
     stand_ins={"hold": hold, "back-up": back_up},
     plans={
         "full": _FULL,
-        "quick": replace(
-            _FULL,
-            policy_settings={"steps": 60, "warm_steps": 20},
-            methods=("dagger", "sheath"),
-            seeds=(0,),
-            demonstrations=6,
-            calibration=4,
-            check=2,
-            rounds=2,
-            episodes=3,
-            held_out=2,
-            final=2,
+        "quick": _FULL.changed(
+            policy={"settings": {"steps": 60, "warm_steps": 20}},
+            schedule={
+                "demonstrations": 6,
+                "calibration": 4,
+                "false_alarm_episodes": 2,
+                "rounds": 2,
+                "episodes": 3,
+            },
+            comparison={
+                "methods": ("dagger", "sheath"),
+                "seeds": (0,),
+                "evaluation_episodes": 2,
+                "final_episodes": 2,
+            },
         ),
         # The same with less room between the objects.
-        "hard": replace(_FULL, variant="default", final_variant="final"),
+        "hard": _FULL.changed(
+            schedule={"variant": "default"}, comparison={"final_variant": "final"}
+        ),
         # The best policy: many scenes, and a hand that is pushed about, which shows the ways back.
-        "recipe": replace(
-            _FULL,
-            policy_settings={"steps": 4000, "warm_steps": 1000},
-            methods=("cloning",),
-            seeds=(0,),
-            demonstrations=200,
-            demonstration_noise=0.15,
-            calibration=10,
-            check=1,
-            rounds=1,
-            episodes=20,
-            held_out=1,
+        "recipe": _FULL.changed(
+            policy={"settings": {"steps": 4000, "warm_steps": 1000}},
+            schedule={
+                "demonstrations": 200,
+                "demonstration_noise": 0.15,
+                "calibration": 10,
+                "false_alarm_episodes": 1,
+                "rounds": 1,
+                "episodes": 20,
+            },
+            comparison={"methods": ("cloning",), "seeds": (0,), "evaluation_episodes": 1},
         ),
     },
     picture=picture,

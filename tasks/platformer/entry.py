@@ -1,6 +1,5 @@
 """The platformer's entry in the table of tasks."""
 
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -9,8 +8,11 @@ from numpy.typing import NDArray
 
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.config import LearningPlan, Schedule
+from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.seeding import seed_for
+from sheath_manip.support.config import ThresholdConfig
 from sheath_manip.task import TaskEntry
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.claims import CLAIMS
@@ -105,57 +107,59 @@ def picture(environment: ComposerEnvironment) -> NDArray[np.uint8]:
 # them, trust with the support 79 %, and with the margin 81 %. On those stages at 18 % false alarms:
 # 203 tiles, and with own labels 26 % of DAgger's labels.
 _LINEAR = LearningPlan(
-    policy="linear-svm",
-    signal="trust-joined",
-    embedding="weighted-features",
-    precedent_embedding="weighted-features",
-    support="one-class-svm",
-    false_alarm_rate=0.19,
+    policy=PolicyConfig("linear-svm"),
+    gate=GateConfig(
+        signal="trust-joined",
+        embedding="weighted-features",
+        precedent_embedding="weighted-features",
+        threshold=ThresholdConfig(false_alarm_rate=0.19),
+    ),
     # Fitting a signal takes most of a round's time, and DAgger's gate looks at none.
-    refit_unused=False,
+    schedule=Schedule(refit_unused=False),
 )
 # As in the draft: a stage for each run, a demonstration more than one so that C can be chosen by
 # cross-validation, and 10 rounds of one episode. Starts differ in the first two tiles only, so that
 # few of them say what many would; the runs are what counts.
-_FULL = replace(
-    _LINEAR,
-    methods=(
-        "cloning",
-        "dagger",
-        "smile",
-        "sheath-plain",
-        "sheath",
-        "sheath-own-labels",
-        "random-takeover",
-        "random-own-labels",
-    ),
-    seeds=tuple(range(50)),
-    variant="stage",
-    final_variant="stage",
-    demonstrations=2,
-    calibration=3,
-    check=1,
-    rounds=10,
-    episodes=1,
-    held_out=2,
-    final=4,
+_FULL = _LINEAR.changed(
+    schedule={
+        "variant": "stage",
+        "demonstrations": 2,
+        "calibration": 3,
+        "false_alarm_episodes": 1,
+        "rounds": 10,
+        "episodes": 1,
+    },
+    comparison={
+        "methods": (
+            "cloning",
+            "dagger",
+            "smile",
+            "sheath-plain",
+            "sheath",
+            "sheath-own-labels",
+            "random-takeover",
+            "random-own-labels",
+        ),
+        "seeds": tuple(range(50)),
+        "evaluation_episodes": 2,
+        "final_episodes": 4,
+        "final_variant": "stage",
+    },
 )
 # For how the support's size changes learning (the draft's section IV-B): the support alone, at its
 # own boundary. With the draft's c = .01 of the features nu would change nothing: no state is near
 # another one, and of new expert states 78 % are outside for any nu (one stage, two demonstrations,
 # before its enemies were thinned out).
 # With a tenth of them 15 % are for nu = .01, and 49 % for .5.
-_NU = replace(
-    _FULL,
-    methods=("sheath",),
-    signal="support",
-    threshold_rule="boundary",
-    embedding="features",
-    bandwidth_factor=0.1,
-    bandwidth_unit="dimensions",
-    seeds=(0, 1, 2),
-    rounds=6,
-    final=1,
+_NU = _FULL.changed(
+    gate={
+        "signal": "support",
+        "embedding": "features",
+        "support": {"bandwidth_factor": 0.1, "bandwidth_unit": "dimensions"},
+        "threshold": {"rule": "boundary"},
+    },
+    schedule={"rounds": 6},
+    comparison={"methods": ("sheath",), "seeds": (0, 1, 2), "final_episodes": 1},
 )
 
 PLATFORMER = TaskEntry(
@@ -178,24 +182,28 @@ PLATFORMER = TaskEntry(
     plans={
         "full": _FULL,
         # One policy for all stages, a new one in every episode.
-        "across": replace(
-            _LINEAR,
-            methods=("dagger", "sheath", "sheath-own-labels", "random-takeover"),
-            demonstrations=5,
-            calibration=10,
-            check=5,
-            rounds=8,
-            episodes=4,
-            final=50,
+        "across": _LINEAR.changed(
+            schedule={
+                "demonstrations": 5,
+                "calibration": 10,
+                "false_alarm_episodes": 5,
+                "rounds": 8,
+                "episodes": 4,
+            },
+            comparison={
+                "methods": ("dagger", "sheath", "sheath-own-labels", "random-takeover"),
+                "final_episodes": 50,
+            },
         ),
         "nu": _NU,
-        "nu-quick": replace(_NU, seeds=(0,), rounds=3),
-        "quick": replace(
-            _FULL,
-            methods=("dagger", "sheath-plain", "sheath"),
-            seeds=(0, 1),
-            rounds=4,
-            final=2,
+        "nu-quick": _NU.changed(schedule={"rounds": 3}, comparison={"seeds": (0,)}),
+        "quick": _FULL.changed(
+            schedule={"rounds": 4},
+            comparison={
+                "methods": ("dagger", "sheath-plain", "sheath"),
+                "seeds": (0, 1),
+                "final_episodes": 2,
+            },
         ),
     },
     figures={"scene.png": scene_figure, "before_a_gap.gif": before_a_gap},

@@ -16,9 +16,10 @@ from sheath_manip.types import Purpose, Reason
 from tests.waiting import DEADLINE_S, eventually
 from tools.station import Station
 
+JUDGED = ("--evaluation-episodes", 1, "--final-episodes", 1)
 SMALL = (
-    *("--demonstrations", 3, "--calibration", 3, "--check", 1, "--rounds", 1),
-    *("--policy", "hog-svm", "--signal", "support", "--embedding", "pixels"),
+    *("--demonstrations", 3, "--calibration", 3, "--false-alarm-episodes", 1, "--rounds", 1),
+    *("--policy.name", "hog-svm", "--gate.signal", "support", "--gate.embedding", "pixels"),
 )
 """without a network to train"""
 
@@ -117,7 +118,7 @@ def test_learn_with_a_person(sheath, at_the_page, tmp_path):
     argv = ("learn", "corridor", "--runs", runs, *SMALL, "--port", 0)
     person = ("--expert", "person", "--wait-s", 20)
     with at_the_page(take_over):
-        code, out, _ = sheath(*argv, "--episodes", 2, "--held-out", 1, "--final", 1, *person)
+        code, out, _ = sheath(*argv, "--episodes", 2, *JUDGED, *person)
     assert code == 0
     assert (runs / "s0" / "sheath-own-labels" / "round-01.npz").exists()
     assert "expert's share" in out
@@ -131,7 +132,7 @@ def test_learn_with_a_person(sheath, at_the_page, tmp_path):
 def test_learn_with_the_scripted_expert(sheath, tmp_path):
     runs = tmp_path / "runs"
     argv = ("learn", "corridor", "--runs", runs, *SMALL)
-    rest = ("--episodes", 1, "--held-out", 1, "--final", 1, "--method", "sheath")
+    rest = ("--episodes", 1, *JUDGED, "--method", "sheath")
     assert sheath(*argv, *rest)[0] == 0
     # Stopped and called again it has nothing left to do, and says the same.
     assert sheath(*argv, *rest)[0] == 0

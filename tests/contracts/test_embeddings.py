@@ -17,7 +17,7 @@ from sheath_manip.policies import (
 )
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.protocols import Policy
-from sheath_manip.support import OneClassSupport
+from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.types.samples import Samples
 from tests import buttons, line, reach
 from tests.blobs import fitted_policy, held_out, training

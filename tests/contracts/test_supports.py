@@ -6,9 +6,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support import SUPPORTS, make_support, support_hyperparameters
+from sheath_manip.support.config import SupportConfig
 
 # They train a network; what holds for every fit holds for a rough one.
 STEPS = {"reconstruction": 50, "distillation": 50, "disagreement": 20}
@@ -173,7 +173,7 @@ def test_arrays_that_do_not_belong_together_are_refused(name, points):
 
 
 def test_a_plan_makes_it(name):
-    asked = LearningPlan(support=name, nu=0.2, bandwidth_factor=0.5)
+    asked = SupportConfig(name, nu=0.2, bandwidth_factor=0.5)
     support = make_support(name, **support_hyperparameters(asked))
     assert getattr(support, "nu", None) == 0.2
     assert getattr(support, "bandwidth_factor", 0.5) == 0.5

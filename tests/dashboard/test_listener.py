@@ -115,7 +115,9 @@ def test_fit_shows_its_states_in_the_plane(
 
 def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None:
     # A linear policy on pixels: quickly fitted.
-    plan = replace(PLAN, policy="hog-svm", signal="support", embedding="pixels")
+    plan = PLAN.changed(
+        policy={"name": "hog-svm"}, gate={"signal": "support", "embedding": "pixels"}
+    )
     store = EpisodeStore.create(tmp_path / "store")
     with Dashboard(Corridor().spec, port=0, token=TOKEN) as dashboard:
         with closing(LearningRun(CORRIDOR, plan, 0, tmp_path, store, (dashboard,))) as learning:

@@ -54,16 +54,18 @@ def round_result(plan: LearningPlan, method: str, run_seed: int, number: int) ->
         share *= 0.15 + 0.85 * progress
     alone = 0.35 if method == "cloning" else 0.06
     alone = alone + (0.5 - alone) / (1 + number)
-    last = number == plan.rounds
+    last = number == plan.schedule.rounds
     executed = failure * (0.2 + 0.8 * progress) if method != "cloning" else failure
     return RoundResult(
         method=known,
         run_seed=run_seed,
         round=number,
         checkpoint="0" * 16,
-        executed=records(rng, plan.episodes, executed, share),
-        policy=records(rng, plan.held_out, alone, 0.0),
-        final=records(rng, plan.final, 1.6 * alone, 0.0, laps=3.0) if last else (),
+        executed=records(rng, plan.schedule.episodes, executed, share),
+        policy=records(rng, plan.comparison.evaluation_episodes, alone, 0.0),
+        final=records(rng, plan.comparison.final_episodes, 1.6 * alone, 0.0, laps=3.0)
+        if last
+        else (),
         false_alarm_rate=0.05 + 0.02 * rng.standard_normal(),
         missed_rate=(1 - share) * 0.7,
         surrogate_loss=0.05 + 0.12 * progress,
@@ -71,7 +73,7 @@ def round_result(plan: LearningPlan, method: str, run_seed: int, number: int) ->
             STEPS, 0.06 + 0.01 * number, 0.05 + 0.4 * progress, STEPS * (0.05 + 0.12 * progress)
         ),
         threshold=-0.01,
-        states=STEPS * plan.episodes * (number + 1),
+        states=STEPS * plan.schedule.episodes * (number + 1),
         wall_s=20.0,
     )
 
@@ -81,13 +83,15 @@ def results_of(plan: LearningPlan) -> dict[str, list[RoundResult]]:
     return {
         method: [
             round_result(plan, method, seed, number)
-            for seed in plan.seeds
-            for number in range(plan.rounds + 1)
+            for seed in plan.comparison.seeds
+            for number in range(plan.schedule.rounds + 1)
         ]
-        for method in plan.methods
+        for method in plan.comparison.methods
     }
 
 
 def expert_records_of(plan: LearningPlan) -> list[EpisodeRecord]:
-    count = len(plan.seeds) * (plan.demonstrations + plan.calibration + plan.check)
+    schedule = plan.schedule
+    held_out = schedule.calibration + schedule.false_alarm_episodes
+    count = len(plan.comparison.seeds) * (schedule.demonstrations + held_out)
     return list(records(np.random.default_rng(0), count, 0.01, 1.0))

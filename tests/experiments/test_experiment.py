@@ -3,7 +3,6 @@
 import io
 import json
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,18 +16,15 @@ from sheath_manip.experiments.learning import run_experiment
 from tests.run_files import digests, measured
 from tests.toy import CORRIDOR, PLAN
 
-EXPERIMENT = replace(
-    PLAN,
-    policy="hog-svm",
-    signal="support",
-    embedding="pixels",
-    methods=("dagger", "sheath", "random-takeover"),
-    demonstrations=2,
-    check=1,
-    rounds=1,
-    episodes=1,
-    held_out=1,
-    final=1,
+EXPERIMENT = PLAN.changed(
+    policy={"name": "hog-svm"},
+    gate={"signal": "support", "embedding": "pixels"},
+    comparison={
+        "methods": ("dagger", "sheath", "random-takeover"),
+        "evaluation_episodes": 1,
+        "final_episodes": 1,
+    },
+    schedule={"demonstrations": 2, "false_alarm_episodes": 1, "rounds": 1, "episodes": 1},
 )
 
 
@@ -87,15 +83,21 @@ def test_an_experiment_that_is_done_only_writes_its_summary_again(here, tmp_path
 
 def test_another_plan_does_not_resume_a_run(here, tmp_path):
     shutil.copytree(here, tmp_path / "run")
-    with pytest.raises(ParameterError, match="another nu, rounds;") as caught:
-        experiment(tmp_path / "run", 0, replace(EXPERIMENT, nu=0.1, rounds=2))
+    with pytest.raises(
+        ParameterError, match=r"another gate\.support\.nu, schedule\.rounds;"
+    ) as caught:
+        experiment(
+            tmp_path / "run",
+            0,
+            EXPERIMENT.changed(gate={"support": {"nu": 0.1}}, schedule={"rounds": 2}),
+        )
     assert "\n" not in str(caught.value)
     assert digests(tmp_path / "run") == digests(here)
 
 
 def test_a_follower_without_the_method_it_follows_is_refused(tmp_path):
     with pytest.raises(ParameterError, match="add sheath to the methods"):
-        experiment(tmp_path, 0, replace(EXPERIMENT, methods=("random-takeover",)))
+        experiment(tmp_path, 0, EXPERIMENT.changed(comparison={"methods": ("random-takeover",)}))
     assert not (tmp_path / "runs").exists()
 
 

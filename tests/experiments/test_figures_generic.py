@@ -20,7 +20,10 @@ from tests.episodes import episode_of
 from tests.experiments.round_results import expert_records_of, results_of
 from tests.toy import CORRIDOR
 
-PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)
+PLAN = LearningPlan().changed(
+    comparison={"seeds": (0, 1), "evaluation_episodes": 6, "final_episodes": 4},
+    schedule={"rounds": 3, "episodes": 5},
+)
 
 
 def episode(
@@ -142,11 +145,11 @@ def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
 
 
 def test_the_figures_hold_nine_methods(tmp_path):
-    names = [*PLAN.methods, *(f"other-{number}" for number in range(5))]
+    names = [*PLAN.comparison.methods, *(f"other-{number}" for number in range(5))]
     assert len(set(looks(names).values())) == 9
     results = results_of(PLAN)
     results |= dict.fromkeys(names[4:], results["dagger"])
-    plan = replace(PLAN, variant="final")
+    plan = PLAN.changed(schedule={"variant": "final"})
     summary = summarise("toy", plan, results, expert_records_of(PLAN), "sheath", 1.0)
     store = EpisodeStore.create(tmp_path / "store")
     figures = ["rounds.png", "burden.png", "bound.png"]

@@ -37,14 +37,10 @@ SMALL = GatesPlan(
 TASK = replace(
     CORRIDOR,
     plans={
-        "full": replace(
-            PLAN,
-            policy="hog-svm",
-            embedding="pixels",
-            precedent_embedding="pixels",
-            demonstrations=2,
-            calibration=6,
-            check=2,
+        "full": PLAN.changed(
+            policy={"name": "hog-svm"},
+            gate={"embedding": "pixels", "precedent_embedding": "pixels"},
+            schedule={"demonstrations": 2, "calibration": 6, "false_alarm_episodes": 2},
         )
     },
 )
@@ -189,8 +185,10 @@ def test_the_rows_are_the_product_of_the_tables_the_default_first():
 
 
 def test_on_a_task_without_images_embeddings_of_features_are_compared():
-    learning = replace(TASK.plans["full"], embedding="features", precedent_embedding="features")
-    compared = {row.plan.embedding for row in rows(GatesPlan(), learning)}
+    learning = TASK.plans["full"].changed(
+        gate={"embedding": "features", "precedent_embedding": "features"}
+    )
+    compared = {row.plan.gate.embedding for row in rows(GatesPlan(), learning)}
     assert compared == set(FEATURE_EMBEDDINGS)
 
 

@@ -16,8 +16,10 @@ from sheath_manip.tasks.table import TASKS
 from tests.buttons import BUTTONS, PLAN
 from tests.experiments.test_figures_generic import assert_shows_something
 
-LEARNING = replace(
-    PLAN, methods=("sheath",), threshold_rule="boundary", variant="default", episodes=3
+LEARNING = PLAN.changed(
+    comparison={"methods": ("sheath",)},
+    gate={"threshold": {"rule": "boundary"}},
+    schedule={"variant": "default", "episodes": 3},
 )
 TASK = replace(BUTTONS, plans={"nu": LEARNING})
 SMALL = NuPlan(nus=(0.05, 0.6))
@@ -103,5 +105,5 @@ def test_the_tasks_plans_look_at_the_support_alone(size):
     ]
     assert len(plans) >= 2
     for plan in plans:
-        assert (plan.signal, plan.threshold_rule) == ("support", "boundary")
-        assert (plan.release_rate, plan.release_margin) == (0, 0)
+        assert (plan.gate.signal, plan.gate.threshold.rule) == ("support", "boundary")
+        assert (plan.gate.release_rate, plan.gate.release_margin) == (0, 0)

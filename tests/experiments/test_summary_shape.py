@@ -14,7 +14,10 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.metrics import mean_interval
 from tests.experiments.round_results import expert_records_of, results_of
 
-PLAN = LearningPlan(seeds=(0, 1), rounds=3, episodes=5, held_out=6, final=4)
+PLAN = LearningPlan().changed(
+    comparison={"seeds": (0, 1), "evaluation_episodes": 6, "final_episodes": 4},
+    schedule={"rounds": 3, "episodes": 5},
+)
 ROUND_KEYS = {
     "round", "runs", "executed", "policy", "expert_share", "queries", "switches_per_episode",
     "false_alarm_rate", "missed_rate", "surrogate_loss", "horizon", "epsilon", "xi", "bound",
@@ -40,9 +43,9 @@ def test_the_summary_has_the_one_shape_of_all_experiments(summary):
     assert summary["seeds"] == [0, 1]
     assert summary["wall_s"] == 12.3
     assert summary["metric"] == "laps"
-    assert summary["plan"]["rounds"] == 3
+    assert summary["plan"]["schedule"]["rounds"] == 3
     assert set(summary["expert"]) == FIGURE_KEYS
-    assert set(summary["methods"]) == set(PLAN.methods)
+    assert set(summary["methods"]) == set(PLAN.comparison.methods)
     for method in summary["methods"].values():
         assert [entry["round"] for entry in method["rounds"]] == [0, 1, 2, 3]
         for entry in method["rounds"]:
@@ -102,7 +105,7 @@ def test_without_dagger_an_area_has_nothing_to_be_compared_to(results):
 
 
 def test_of_many_runs_a_metric_is_as_certain_as_the_runs_are_alike():
-    plan = replace(PLAN, seeds=tuple(range(10)), held_out=4)
+    plan = PLAN.changed(comparison={"seeds": tuple(range(10)), "evaluation_episodes": 4})
     results = results_of(plan)
     summary = summarise("driving", plan, results, expert_records_of(plan), "sheath", 1.0)
     policy = summary["methods"]["sheath"]["rounds"][3]["policy"]

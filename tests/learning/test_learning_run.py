@@ -7,8 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
-from dataclasses import replace
+from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -32,14 +31,11 @@ from tests.toy import CORRIDOR, PLAN, Corridor
 
 SMALL = "small-cnn"
 METHODS = ("sheath", "random-takeover")
-SMALL_PLAN = replace(
-    PLAN,
-    policy=SMALL,
-    embedding="pooled-convolutions",
-    methods=METHODS,
-    demonstrations=3,
-    check=1,
-    false_alarm_rate=0.3,
+SMALL_PLAN = PLAN.changed(
+    policy={"name": SMALL},
+    gate={"embedding": "pooled-convolutions", "threshold": {"false_alarm_rate": 0.3}},
+    comparison={"methods": METHODS},
+    schedule={"demonstrations": 3, "false_alarm_episodes": 1},
 )
 FILES = ["round-01.json", "round-01.npz", "round-02.json", "round-02.npz"]
 
@@ -60,17 +56,16 @@ def learn(
     directory: Path, listeners: tuple[Listener, ...] = (), methods: tuple[str, ...] = METHODS
 ) -> None:
     """All rounds of `methods`; also what the killed process runs."""
-    POLICIES[SMALL] = small_policy()
+    small = nullcontext() if SMALL in POLICIES else POLICIES.including(SMALL, small_policy())
     # As in an experiment: another number of threads adds up in another order.
-    with single_threaded():
+    with small, single_threaded():
         for method in methods:
             run(method, directory, listeners=listeners)
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _small_policy() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(POLICIES, SMALL, small_policy())
+    with POLICIES.including(SMALL, small_policy()):
         yield
 
 
@@ -114,7 +109,11 @@ def test_every_round_leaves_its_checkpoint_and_its_result(whole):
             checkpoint = load_checkpoint(runs / result.method / name, Corridor().spec)
             assert (checkpoint.round, checkpoint.method) == (result.round, result.method)
             assert checkpoint.threshold == result.threshold
-        assert [len(result.final) for result in results] == [0, 0, SMALL_PLAN.final]
+        assert [len(result.final) for result in results] == [
+            0,
+            0,
+            SMALL_PLAN.comparison.final_episodes,
+        ]
 
 
 def test_states_are_aggregated(whole):
@@ -160,9 +159,16 @@ def test_no_scene_that_judges_is_ever_trained_on(whole):
         for record in (*result.policy, *result.final)
     }
     trained = by_purpose[Purpose.DEMONSTRATION] | by_purpose[Purpose.LEARNING]
-    assert len(judged) == SMALL_PLAN.held_out
-    assert len(trained) == SMALL_PLAN.demonstrations + SMALL_PLAN.rounds * SMALL_PLAN.episodes
-    assert len(by_purpose[Purpose.CALIBRATION]) == SMALL_PLAN.calibration + SMALL_PLAN.check
+    assert len(judged) == SMALL_PLAN.comparison.evaluation_episodes
+    assert (
+        len(trained)
+        == SMALL_PLAN.schedule.demonstrations
+        + SMALL_PLAN.schedule.rounds * SMALL_PLAN.schedule.episodes
+    )
+    assert (
+        len(by_purpose[Purpose.CALIBRATION])
+        == SMALL_PLAN.schedule.calibration + SMALL_PLAN.schedule.false_alarm_episodes
+    )
     assert not judged & trained
     assert not judged & by_purpose[Purpose.CALIBRATION]
     assert not trained & by_purpose[Purpose.CALIBRATION]
@@ -219,8 +225,12 @@ def test_stopped_at_any_file_it_resumes_to_the_same_result(when, whole, tmp_path
         except StoppedError:
             continue
         break
-    expert = SMALL_PLAN.demonstrations + SMALL_PLAN.calibration + SMALL_PLAN.check
-    files = expert + 2 + SMALL_PLAN.rounds * (SMALL_PLAN.episodes + 2)
+    expert = (
+        SMALL_PLAN.schedule.demonstrations
+        + SMALL_PLAN.schedule.calibration
+        + SMALL_PLAN.schedule.false_alarm_episodes
+    )
+    files = expert + 2 + SMALL_PLAN.schedule.rounds * (SMALL_PLAN.schedule.episodes + 2)
     assert sessions == files + 1
     # Nothing is made twice.
     assert cutter.written == files
@@ -322,11 +332,11 @@ def test_an_unknown_method_is_named(tmp_path):
 
 def test_rounds_end_once_the_loss_is_low_enough(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "run")
-    plan = replace(SMALL_PLAN, stop_below_loss=1.1)
+    plan = SMALL_PLAN.changed(schedule={"stop_below_loss": 1.1})
     for _ in range(2):
         results = run("dagger", tmp_path / "run", plan)
         assert [result.round for result in results] == [0, 1]
-        assert len(results[-1].final) == plan.final
+        assert len(results[-1].final) == plan.comparison.final_episodes
     names = sorted(path.name for path in (tmp_path / "run" / "s0" / "dagger").iterdir())
     assert names == FILES[:2]
 
@@ -335,7 +345,7 @@ def test_a_method_that_follows_one_that_stopped_stops_with_it(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "run")
     for method in METHODS:
         shutil.rmtree(tmp_path / "run" / "s0" / method)
-    run("sheath", tmp_path / "run", replace(SMALL_PLAN, stop_below_loss=1.1))
+    run("sheath", tmp_path / "run", SMALL_PLAN.changed(schedule={"stop_below_loss": 1.1}))
     # What random takeover meets where its own loss is not low enough yet.
     results = run("random-takeover", tmp_path / "run")
     assert [result.round for result in results] == [0, 1]

@@ -62,9 +62,9 @@ def steps(directory: Path, method: str) -> list:
 @pytest.mark.parametrize("name", ORDER)
 def test_every_method_learns_all_rounds(name, whole):
     results = round_results(whole, 0, name)
-    assert [result.round for result in results] == list(range(PLAN.rounds + 1))
-    assert len(results[-1].final) == PLAN.final
-    assert len(episodes(whole, name)) == PLAN.rounds * PLAN.episodes
+    assert [result.round for result in results] == list(range(PLAN.schedule.rounds + 1))
+    assert len(results[-1].final) == PLAN.comparison.final_episodes
+    assert len(episodes(whole, name)) == PLAN.schedule.rounds * PLAN.schedule.episodes
     for result in results:
         assert 0 <= result.bound.xi <= 1
         assert result.bound.horizon > 0
@@ -124,7 +124,7 @@ def test_the_plain_gate_is_the_drafts(whole):
 def test_the_lazy_gate_hands_back_later_than_it_takes_over(whole):
     checkpoint = load_checkpoint(round_path(whole, 0, "lazy-dagger", 0, "npz"), SPEC)
     assert checkpoint.release_margin > 0
-    context = RoundContext(checkpoint, 1, float("nan"), PLAN, Nobody())
+    context = RoundContext(checkpoint, 1, float("nan"), METHODS["lazy-dagger"].plan(PLAN), Nobody())
     gate = METHODS["lazy-dagger"].gate(context)
     assert isinstance(gate, SupportGate)
     assert (gate.release_margin, gate.query) == (checkpoint.release_margin, False)
@@ -133,21 +133,21 @@ def test_the_lazy_gate_hands_back_later_than_it_takes_over(whole):
 
 
 def test_smile_has_a_policy_a_round_and_the_paper_share_of_the_expert(whole):
-    for number in range(PLAN.rounds + 1):
+    for number in range(PLAN.schedule.rounds + 1):
         path = round_path(whole, 0, "smile", number, "npz")
         policy = load_checkpoint(path, SPEC).policy
         assert isinstance(policy, SmileMixture)
-        assert (len(policy.members_), policy.alpha) == (number + 1, PLAN.alpha)
+        assert (len(policy.members_), policy.alpha) == (number + 1, PLAN.schedule.alpha)
         assert isinstance(policy.members_[0], LinearSvm)
     for result in round_results(whole, 0, "smile")[1:]:
         count = sum(record.steps for record in result.executed)
-        share = expert_weight(PLAN.alpha, result.round)
+        share = expert_weight(PLAN.schedule.alpha, result.round)
         spread = 3 * (share * (1 - share) / count) ** 0.5
         assert expert_share(result.executed) == pytest.approx(share, abs=spread)
 
 
 def test_the_experts_part_decays_by_beta(tmp_path):
-    plan = replace(PLAN, beta=0.6, episodes=6)
+    plan = PLAN.changed(schedule={"beta": 0.6, "episodes": 6})
     for result in run("dagger-beta", tmp_path, plan)[1:]:
         share, count = 0.6**result.round, sum(record.steps for record in result.executed)
         spread = 3 * (share * (1 - share) / count) ** 0.5
@@ -155,10 +155,10 @@ def test_the_experts_part_decays_by_beta(tmp_path):
 
 
 def test_a_budget_is_kept_nearly(tmp_path):
-    plan = replace(PLAN, episodes=8)
+    plan = PLAN.changed(schedule={"episodes": 8})
     results = run("thrifty-dagger", tmp_path, plan)
     shares = [expert_share(result.executed) for result in results[2:]]
-    assert np.mean(shares) == pytest.approx(plan.expert_budget, abs=0.12)
+    assert np.mean(shares) == pytest.approx(plan.gate.threshold.expert_budget, abs=0.12)
 
 
 def test_a_follower_of_own_labels_gets_their_share(whole):
@@ -186,7 +186,7 @@ class Nobody:
 
 def test_rounds_in_which_nobody_labels_leave_the_policy_as_it_was(tmp_path):
     results = run("hg-dagger", tmp_path, person=lambda _: Nobody())
-    assert len(results) == PLAN.rounds + 1
+    assert len(results) == PLAN.schedule.rounds + 1
     assert len({result.states for result in results}) == 1
     for result in results[1:]:
         assert np.isnan([result.surrogate_loss, result.bound.measured]).all()
@@ -208,7 +208,7 @@ def test_each_run_has_its_own_scene_for_learning_and_judging(tmp_path):
         return BUTTONS.run_variants["stage"](seed)
 
     task = replace(BUTTONS, run_variants={"stage": make_stage})
-    plan = replace(PLAN, rounds=1, episodes=1)
+    plan = PLAN.changed(schedule={"rounds": 1, "episodes": 1})
     store = EpisodeStore.create(tmp_path / "store")
     for seed in (3, 4):
         with closing(LearningRun(task, plan, seed, tmp_path, store)) as learning:
@@ -222,7 +222,7 @@ def test_each_run_has_its_own_scene_for_learning_and_judging(tmp_path):
 def test_without_refitting_what_is_unused_the_gate_stays_that_of_the_demonstrations(
     whole, tmp_path
 ):
-    plan = replace(PLAN, refit_unused=False)
+    plan = PLAN.changed(schedule={"refit_unused": False})
     for name in ("dagger", "sheath"):
         run(name, tmp_path, plan)
     results = {
@@ -243,7 +243,7 @@ def test_without_refitting_what_is_unused_the_gate_stays_that_of_the_demonstrati
 
 def test_an_unknown_variant_is_named_with_all_there_are(tmp_path):
     with pytest.raises(UnknownNameError, match="known: default, final, stage"):
-        run("dagger", tmp_path, replace(PLAN, variant="level"))
+        run("dagger", tmp_path, PLAN.changed(schedule={"variant": "level"}))
 
 
 def contents(directory: Path, name: str) -> dict[str, str]:

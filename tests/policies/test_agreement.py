@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.protocols import Policy
 from sheath_manip.signals.support import SupportSignal
+from sheath_manip.support.config import SupportConfig, ThresholdConfig
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
 from sheath_manip.types.samples import Samples
 from tests.blobs import SPEC, blob_samples, fitted_policy
@@ -89,7 +90,7 @@ def test_a_gate_asks_for_it_only_where_the_support_uses_it():
     labels[odd] = -labels[odd]
     training = replace(training, labels=labels)
     held_out = [blob_samples(50, seed=10 + i) for i in range(3)]
-    plan = LearningPlan(policy="hog-svm", signal="support", embedding="pixels")
+    config = GateConfig(signal="support", embedding="pixels")
     fits = []
 
     def fresh() -> Policy:
@@ -97,14 +98,16 @@ def test_a_gate_asks_for_it_only_where_the_support_uses_it():
         return make_policy("hog-svm", SPEC)
 
     judge = partial(held_out_agreement, fresh, training)
-    fit_gate(policy, training, held_out, plan, "blobs", agreement=judge)
+    fit_gate(policy, training, held_out, config, "blobs", policy_name="hog-svm", agreement=judge)
     assert not fits
-    aware = replace(plan, support="loss-aware-svm")
+    aware = replace(config, support=SupportConfig("loss-aware-svm"))
     with pytest.raises(ParameterError, match="wanted `agreement`"):
-        fit_gate(policy, training, held_out, aware, "blobs")
+        fit_gate(policy, training, held_out, aware, "blobs", policy_name="hog-svm")
     # The SVM of 200 states of two opinions leaves some held-out states without support.
-    aware = replace(aware, false_alarm_rate=0.5)
-    fitted = fit_gate(policy, training, held_out, aware, "blobs", agreement=judge)
+    aware = replace(aware, threshold=ThresholdConfig(false_alarm_rate=0.5))
+    fitted = fit_gate(
+        policy, training, held_out, aware, "blobs", policy_name="hog-svm", agreement=judge
+    )
     assert len(fits) == 3
     assert isinstance(fitted.signal, SupportSignal)
     assert isinstance(fitted.signal.support, LossAwareSupport)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.policies import make_embedding
 from sheath_manip.protocols import Signal
-from sheath_manip.signals import SIGNALS, make_signal, planned_signal
+from sheath_manip.signals import SIGNALS, make_signal
 from sheath_manip.signals.joined import JoinedSignal, log_share
 from sheath_manip.signals.margin import MarginSignal
 from sheath_manip.signals.precedent import PrecedentSignal
@@ -17,11 +17,11 @@ from sheath_manip.signals.trust import TrustSignal
 from tests.blobs import CHOICES, fitted_policy, held_out, observation_of, training
 from tests.feature_signal import FeatureSignal
 
-PLAN = LearningPlan(policy="hog-svm", embedding="pixels", precedent_embedding="pixels")
+GATE = GateConfig(embedding="pixels", precedent_embedding="pixels")
 
 
 def fitted(name: str) -> Signal:
-    choice = planned_signal(replace(PLAN, signal=name))
+    choice = planned_signal(replace(GATE, signal=name))
     return make_signal(choice).fit(fitted_policy("hog-svm"), training()).calibrate([held_out()])
 
 
@@ -52,7 +52,7 @@ def test_fits_and_scores_repeat_to_the_bit(name):
 @pytest.mark.parametrize("name", SIGNALS)
 def test_what_is_loaded_scores_as_what_was_saved(name):
     signal = fitted(name)
-    fresh = make_signal(planned_signal(replace(PLAN, signal=name)))
+    fresh = make_signal(planned_signal(replace(GATE, signal=name)))
     loaded = fresh.load(fitted_policy("hog-svm"), signal.arrays())
     np.testing.assert_array_equal(scores_of(loaded, held_out()), scores_of(signal, held_out()))
 
@@ -66,7 +66,7 @@ def test_another_world_scores_below_the_own(signal):
 
 def test_an_unknown_name_is_told():
     with pytest.raises(UnknownNameError, match=r"signal 'hunch'.*joined"):
-        make_signal(planned_signal(replace(PLAN, signal="hunch")))
+        make_signal(planned_signal(replace(GATE, signal="hunch")))
 
 
 class Stubborn:

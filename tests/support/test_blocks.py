@@ -5,9 +5,12 @@ import pytest
 from sklearn.svm import OneClassSVM
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.support import AgreeingSupport, LossAwareSupport, OneClassSupport, dual
+from sheath_manip.support import dual
+from sheath_manip.support.agreeing_states import AgreeingSupport
 from sheath_manip.support.blocks import BlockSolver
 from sheath_manip.support.dual import DIRECT_POINTS
+from sheath_manip.support.loss_aware_svm import LossAwareSupport
+from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.support.vectors import median_squared_distance, squared_distances
 from sheath_manip.support.whole import solve_whole
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from sheath_manip.support import OneClassSupport
 from sheath_manip.support.gaussian import COLUMNS
 from sheath_manip.support.kernel_sum import KernelSum
+from sheath_manip.support.one_class_svm import OneClassSupport
 
 
 def directly(center, vectors, weights, c, rows):

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from qpsolvers import solve_qp
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.support import OneClassSupport
 from sheath_manip.support.agreeing_states import AgreeingSupport
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
+from sheath_manip.support.one_class_svm import OneClassSupport
 
 # daqp gives up on the nearly singular kernel of many points in a plane without it.
 RIDGE = 1e-8

@@ -3,7 +3,7 @@ import pytest
 from sklearn.svm import OneClassSVM
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.support import OneClassSupport
+from sheath_manip.support.one_class_svm import OneClassSupport
 
 
 @pytest.mark.parametrize("nu", [0.01, 0.05, 0.3])

@@ -25,7 +25,10 @@ from sheath_manip.types.samples import Samples, samples_from
 
 DEMONSTRATIONS, CALIBRATION = 3, 3
 FALSE_ALARM_RATE = 0.1
-PLAN = LearningPlan(policy="small-cnn", signal="support", false_alarm_rate=FALSE_ALARM_RATE)
+PLAN = LearningPlan().changed(
+    policy={"name": "small-cnn"},
+    gate={"signal": "support", "threshold": {"false_alarm_rate": FALSE_ALARM_RATE}},
+)
 
 
 class Drive:
@@ -41,7 +44,9 @@ class Drive:
         self.held_out = [samples_from([lap]) for lap in laps[DEMONSTRATIONS:]]
         self.policy = ConvPolicy(self.task.spec, (8, 16), (32,), epochs=8, seed=0)
         self.policy.fit(self.states)
-        self.checkpoint = fit_gate(self.policy, self.states, self.held_out, PLAN, "driving")
+        self.checkpoint = fit_gate(
+            self.policy, self.states, self.held_out, PLAN.gate, "driving", policy_name="small-cnn"
+        )
 
     def lap(self, gate, seed: int) -> Episode:
         return rollout(
@@ -56,8 +61,8 @@ class Drive:
 
 @pytest.fixture(scope="module")
 def drive():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(POLICIES, "small-cnn", partial(ConvPolicy, channels=(8, 16), hidden=(32,)))
+    small = partial(ConvPolicy, channels=(8, 16), hidden=(32,))
+    with POLICIES.including("small-cnn", small):
         drive = Drive()
         yield drive
         drive.environment.close()
@@ -73,7 +78,7 @@ def vectors(checkpoint: Checkpoint, samples: Samples) -> np.ndarray:
 def test_at_most_nu_of_the_training_states_lie_outside(embedding, nu, drive):
     fitted = make_embedding(embedding).fit(drive.policy, drive.states)
     points = fitted.transform(drive.states.images, drive.states.features)
-    scores = make_support(PLAN.support, nu=nu).fit(points).decision_function(points)
+    scores = make_support(PLAN.gate.support.name, nu=nu).fit(points).decision_function(points)
     assert (scores >= 0).mean() >= 1 - nu - 0.01
 
 
@@ -81,7 +86,7 @@ def test_at_most_nu_of_the_training_states_lie_outside(embedding, nu, drive):
 def test_so_it_is_with_other_bandwidths(factor, drive):
     points = vectors(drive.checkpoint, drive.states)
     for nu in (0.05, 0.5):
-        support = make_support(PLAN.support, nu=nu, bandwidth_factor=factor).fit(points)
+        support = make_support(PLAN.gate.support.name, nu=nu, bandwidth_factor=factor).fit(points)
         assert (support.decision_function(points) >= 0).mean() >= 1 - nu - 0.01
 
 
@@ -121,7 +126,9 @@ class Blind:
 
 
 def test_without_a_score_the_expert_drives(drive):
-    support = make_support(PLAN.support).fit(np.random.default_rng(0).normal(size=(50, 8)))
+    support = make_support(PLAN.gate.support.name).fit(
+        np.random.default_rng(0).normal(size=(50, 8))
+    )
     signal = SupportSignal(Blind(), support)  # pyright: ignore[reportArgumentType]
     blind = replace(drive.checkpoint, signal=signal)
     episode = drive.lap(SupportGate(blind.score, blind.threshold), seed=20)

@@ -2,7 +2,6 @@
 
 import io
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,17 +44,16 @@ def test_the_mirrored_arm_does_the_mirrored_thing():
 
 
 def test_a_small_experiment_with_a_film(tmp_path):
-    plan = replace(
-        GRASP_CLUTTER.plans["quick"],
-        policy_settings={"steps": 4, "warm_steps": 2},
-        methods=("sheath",),
-        demonstrations=2,
-        calibration=3,
-        check=1,
-        rounds=1,
-        episodes=1,
-        held_out=1,
-        final=1,
+    plan = GRASP_CLUTTER.plans["quick"].changed(
+        policy={"settings": {"steps": 4, "warm_steps": 2}},
+        comparison={"methods": ("sheath",), "evaluation_episodes": 1, "final_episodes": 1},
+        schedule={
+            "demonstrations": 2,
+            "calibration": 3,
+            "false_alarm_episodes": 1,
+            "rounds": 1,
+            "episodes": 1,
+        },
     )
     run_experiment(
         GRASP_CLUTTER,

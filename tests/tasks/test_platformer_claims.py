@@ -14,7 +14,9 @@ from sheath_manip.tasks.platformer.entry import PLATFORMER
 from sheath_manip.types import Outcome
 from tests.experiments.round_results import round_result
 
-PLAN = replace(PLATFORMER.plans["full"], methods=("dagger", "sheath", "sheath-own-labels"))
+PLAN = PLATFORMER.plans["full"].changed(
+    comparison={"methods": ("dagger", "sheath", "sheath-own-labels")}
+)
 # By method: tiles under the gate, tiles of the policy alone, labels an episode.
 GOOD = {"dagger": (90, 150, 400), "sheath": (205, 160, 400), "sheath-own-labels": (205, 155, 110)}
 
@@ -31,11 +33,11 @@ def results_of(traits: dict[str, tuple[float, float, int]]) -> dict[str, list[Ro
             replace(
                 round_result(PLAN, "dagger", seed, number),
                 executed=(record(executed, queries),),
-                policy=(record(alone - (PLAN.rounds - number)),),
+                policy=(record(alone - (PLAN.schedule.rounds - number)),),
                 final=(),
             )
-            for seed in PLAN.seeds
-            for number in range(PLAN.rounds + 1)
+            for seed in PLAN.comparison.seeds
+            for number in range(PLAN.schedule.rounds + 1)
         ]
         for method, (executed, alone, queries) in traits.items()
     }

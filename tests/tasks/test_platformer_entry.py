@@ -41,9 +41,9 @@ def test_the_episodes_of_a_run_share_its_stage_and_nothing_else():
 
 def test_the_plans_name_known_variants_and_methods():
     for plan in PLATFORMER.plans.values():
-        for variant in (plan.variant, plan.final_variant):
+        for variant in (plan.schedule.variant, plan.comparison.final_variant):
             assert variant in {**PLATFORMER.variants, **PLATFORMER.run_variants}
-        for name in plan.methods:
+        for name in plan.comparison.methods:
             followed = method_named(name).follows
-            assert followed is None or followed in plan.methods
-    assert len(PLATFORMER.plans["full"].seeds) == 50
+            assert followed is None or followed in plan.comparison.methods
+    assert len(PLATFORMER.plans["full"].comparison.seeds) == 50

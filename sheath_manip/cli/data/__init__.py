@@ -8,6 +8,7 @@ import tyro
 from sheath_manip.cli.data.exchange import ExportStore, ImportStore
 from sheath_manip.cli.data.keep import DropEpisodes, MergeStores, RepairStore, SplitStore
 from sheath_manip.cli.data.look import CheckStore, ListStore, ShowEpisode
+from sheath_manip.cli.options import WITHOUT_PREFIX
 from sheath_manip.cli.session import Session
 
 
@@ -15,7 +16,7 @@ from sheath_manip.cli.session import Session
 class Data:
     """Look into an episode store, exchange it with other tools, keep it in order."""
 
-    what: (
+    what: Annotated[
         Annotated[ListStore, tyro.conf.subcommand("list", prefix_name=False)]
         | Annotated[ShowEpisode, tyro.conf.subcommand("show", prefix_name=False)]
         | Annotated[CheckStore, tyro.conf.subcommand("check", prefix_name=False)]
@@ -24,8 +25,9 @@ class Data:
         | Annotated[MergeStores, tyro.conf.subcommand("merge", prefix_name=False)]
         | Annotated[SplitStore, tyro.conf.subcommand("split", prefix_name=False)]
         | Annotated[DropEpisodes, tyro.conf.subcommand("drop", prefix_name=False)]
-        | Annotated[RepairStore, tyro.conf.subcommand("repair", prefix_name=False)]
-    )
+        | Annotated[RepairStore, tyro.conf.subcommand("repair", prefix_name=False)],
+        WITHOUT_PREFIX,
+    ]
 
     def run(self, session: Session) -> int:
         """Do what was asked for."""

@@ -30,8 +30,8 @@ def burden(summary: Mapping[str, Any], path: Path) -> None:
             figure,
             f"{summary['experiment'].capitalize()}: what the expert had to do",
             f"means over {counted(seeds, 'training seed')} with "
-            f"{counted(summary['plan']['episodes'], 'episode')} a round; round 0 are the "
-            "demonstrations, which all methods share",
+            f"{counted(summary['plan']['schedule']['episodes'], 'episode')} a round; round 0 are "
+            "the demonstrations, which all methods share",
         )
         grid = figure.subplots(2, 2)
         share, switches, queries, total = grid.ravel()

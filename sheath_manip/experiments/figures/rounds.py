@@ -38,8 +38,9 @@ def rounds(summary: Mapping[str, Any], path: Path) -> None:
             f"{summary['experiment'].capitalize()}: failures and {name}, "
             "while learning and afterwards",
             f"{counted(len(summary['seeds']), 'training seed')} with "
-            f"{counted(plan['episodes'], 'episode')} a round; each policy alone on "
-            f"{counted(plan['held_out'], 'held-out scene')}; bars are 95 % intervals",
+            f"{counted(plan['schedule']['episodes'], 'episode')} a round; each policy alone on "
+            f"{counted(plan['comparison']['evaluation_episodes'], 'held-out scene')}; "
+            "bars are 95 % intervals",
         )
         grid = figure.subplots(2, 4, width_ratios=(6, 1.1, 6, 1.1))
         for column, figure_name in ((0, FAILURE), (2, metric)):
@@ -50,7 +51,7 @@ def rounds(summary: Mapping[str, Any], path: Path) -> None:
             _pooled(grid[1, column + 1], summary, "final", figure_name)
         shared = [grid[0, :2], grid[1, :2], grid[0, 2:]]
         # Another final variant is on a scale of its own, such as three laps instead of one.
-        same = plan["variant"] == plan["final_variant"]
+        same = plan["schedule"]["variant"] == plan["comparison"]["final_variant"]
         for panels in (*shared, grid[1, 2:]) if same else (*shared, grid[1, 2:3], grid[1, 3:]):
             _fit_height(list(panels))
         if same:

@@ -16,7 +16,7 @@ from sheath_manip.experiments.gates.summary import summarise
 from sheath_manip.experiments.gates.table import tables
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.json_files import write_json
-from sheath_manip.learning.resuming import require_same_plan
+from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.rollout.executors import in_stages, run_jobs
 from sheath_manip.task import TaskEntry
 
@@ -48,8 +48,8 @@ def run_gates(
         for seed in plan.seeds
     ]
     for at in settings:
-        learning = {**at.learning.described(), "seeds": None}
-        require_same_plan({**plan.settings(), "learning_plan": learning}, at.runs / "plan.json")
+        settings_held = {**plan.settings(), "learning_plan": without_seeds(at.learning)}
+        require_same_plan(settings_held, at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
     stopwatch = Stopwatch(runs / "wall.json")
     jobs = stages(settings)

@@ -14,6 +14,7 @@ from sheath_manip.experiments.gates.remembered import Shared
 from sheath_manip.experiments.gates.rows import BASELINES, Row, rows
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import record_visits
+from sheath_manip.gates.config import planned_signal
 from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.learning.run import LearningRun
@@ -21,7 +22,6 @@ from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.protocols import Listener, Policy, Report
 from sheath_manip.seeding import seed_for
-from sheath_manip.signals import planned_signal
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Demonstrate:
 
     def units(self) -> int:
         """How often it reports."""
-        plan = self.setting.learning
-        return plan.demonstrations + plan.calibration + plan.check + 1
+        plan = self.setting.learning.schedule
+        return plan.demonstrations + plan.calibration + plan.false_alarm_episodes + 1
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,8 @@ class Displace:
 
     def units(self) -> int:
         """How often it reports."""
-        return min(self.setting.plan.displaced_episodes, self.setting.learning.check)
+        new = self.setting.learning.schedule.false_alarm_episodes
+        return min(self.setting.plan.displaced_episodes, new)
 
 
 @dataclass(frozen=True)
@@ -94,8 +95,8 @@ class Judge:
             environment.close()
 
             def fresh_policy() -> Policy:
-                learning, seed = at.learning, seed_for("policy", at.seed)
-                return make_policy(learning.policy, spec, seed, **learning.policy_settings)
+                config, seed = at.learning.policy, seed_for("policy", at.seed)
+                return make_policy(config.name, spec, seed, **config.settings)
 
             agrees = held_out_agreement(
                 fresh_policy, at.demonstrations(), tolerance=spec.action.tolerance
@@ -137,11 +138,12 @@ class Score:
                 cloned.policy,
                 states,
                 seen.calibration,
-                row.plan,
+                row.plan.gate,
                 spec.name,
+                policy_name=row.plan.policy.name,
                 run_seed=at.seed,
                 agreement=lambda: np.load(at.agreement_path()),
-                signal=shared.signal(planned_signal(row.plan)),
+                signal=shared.signal(planned_signal(row.plan.gate)),
             )
             gate.save(at.checkpoint_path(row.name))
             offline = measured(gate, seen, at)
@@ -185,9 +187,9 @@ def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
     others: list[AnyJob] = []
     for at in settings:
         listed = rows(at.plan, at.learning)
-        embeddings = dict.fromkeys(row.plan.embedding for row in listed)
+        embeddings = dict.fromkeys(row.plan.gate.embedding for row in listed)
         for name in embeddings:
-            score.append(Score(at, tuple(row for row in listed if row.plan.embedding == name)))
+            score.append(Score(at, tuple(row for row in listed if row.plan.gate.embedding == name)))
         if not at.in_loop:
             continue
         main, other = main_size(at.plan), other_size(at.plan)

@@ -1,7 +1,7 @@
 """What is compared: every embedding with every support estimator, and gates that have neither."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, RandomTakeover
@@ -37,24 +37,27 @@ BASELINES: dict[str, Callable[[Sequence[float]], Sequence[Gate]]] = {
 
 def rows(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
     """The most interesting first: the default, what differs from it in one part, then the rest."""
-    both = learning.signal if learning.signal in PRECEDENTS else "joined"
-    joined = Row("joined", replace(learning, signal=both), ("support", "precedent"))
-    precedent = Row("precedent", replace(learning, signal=PRECEDENTS[both]), ("precedent",))
+    signal = learning.gate.signal
+    both = signal if signal in PRECEDENTS else "joined"
+    joined = Row("joined", learning.changed(gate={"signal": both}), ("support", "precedent"))
+    alone = learning.changed(gate={"signal": PRECEDENTS[both]})
+    precedent = Row("precedent", alone, ("precedent",))
     return sorted([joined, precedent, *grid(plan, learning)], key=lambda row: not row.main)
 
 
 def grid(plan: GatesPlan, learning: LearningPlan) -> list[Row]:
     """Every embedding, of images or of features as the default is, with every estimator."""
+    default, estimator = learning.gate.embedding, learning.gate.support.name
     return [
         Row(
             f"{embedding}/{support}",
-            replace(learning, signal="support", embedding=embedding, support=support),
-            main=learning.embedding == embedding or learning.support == support,
+            learning.changed(
+                gate={"signal": "support", "embedding": embedding, "support": {"name": support}}
+            ),
+            main=default == embedding or estimator == support,
         )
-        for embedding in _after(
-            learning.embedding, embeddings_like(learning.embedding), plan.embeddings
-        )
-        for support in _after(learning.support, SUPPORTS, plan.supports)
+        for embedding in _after(default, embeddings_like(default), plan.embeddings)
+        for support in _after(estimator, SUPPORTS, plan.supports)
     ]
 
 

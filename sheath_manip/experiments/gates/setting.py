@@ -1,7 +1,7 @@
 """One task and one training seed of the benchmark: what is measured there and where it lies."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from sheath_manip.dataset.store import EpisodeStore
@@ -34,7 +34,8 @@ class Setting:
         """What is demonstrated and fitted; raises UnknownNameError where the task has no such."""
         if self.plan.learning not in self.task.plans:
             raise UnknownNameError(f"plan of {self.task.name}", self.plan.learning, self.task.plans)
-        return replace(self.task.plans[self.plan.learning], seeds=self.plan.seeds)
+        plan = self.task.plans[self.plan.learning]
+        return plan.changed(comparison={"seeds": self.plan.seeds})
 
     @property
     def probes(self) -> Probes:
@@ -55,7 +56,7 @@ class Setting:
 
     def environment(self) -> Environment:
         """A new one, of the variant that is learned on."""
-        return self.task.make_for_run(self.learning.variant, self.seed)
+        return self.task.make_for_run(self.learning.schedule.variant, self.seed)
 
     def store(self) -> EpisodeStore:
         """The episodes of all seeds."""
@@ -94,16 +95,16 @@ class Setting:
     def calibration(self) -> list[Samples]:
         """One a held-out expert episode, for thresholds."""
         return [samples_from([episode]) for episode in self._held_out()][
-            : self.learning.calibration
+            : self.learning.schedule.calibration
         ]
 
     def fresh(self) -> list[Episode]:
         """New expert episodes, which neither fits nor thresholds have seen."""
-        return list(self._held_out())[self.learning.calibration :]
+        return list(self._held_out())[self.learning.schedule.calibration :]
 
     def evaluation_seeds(self, count: int) -> list[int]:
         """Held-out scenes, on which no one learns."""
-        name = self.learning.held_out_set
+        name = self.learning.comparison.held_out_set
         return [scene_seed(Purpose.EVALUATION, name, index) for index in range(count)]
 
     def _held_out(self) -> Iterable[Episode]:

@@ -87,8 +87,8 @@ def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
         "rows": {
             **{
                 row.name: {
-                    "embedding": row.plan.embedding,
-                    "support": row.plan.support,
+                    "embedding": row.plan.gate.embedding,
+                    "support": row.plan.gate.support.name,
                     "signals": row.signals,
                     "main": row.main,
                     **_offline(offline_of(settings, row.name)),

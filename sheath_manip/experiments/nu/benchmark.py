@@ -15,7 +15,7 @@ from sheath_manip.experiments.nu.summary import Setting, summarise, table
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.resuming import require_same_plan
+from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.rollout.executors import run_jobs
 from sheath_manip.task import TaskEntry
 
@@ -47,7 +47,7 @@ def run_nu(
     if not settings:
         raise ParameterError(f"no task has a plan {plan.learning!r}; wanted at least one")
     for at in settings:
-        require_same_plan({**at.plan.described(), "seeds": None}, at.runs / "plan.json")
+        require_same_plan(without_seeds(at.plan), at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
     jobs = [Job(at.task, at.plan, at.runs, seed, METHOD) for at in settings for seed in at.seeds]
     stopwatch = Stopwatch(runs / "wall.json")
@@ -64,5 +64,7 @@ def run_nu(
 
 def _units(plan: LearningPlan) -> int:
     """How often a job reports."""
-    first = plan.demonstrations + plan.calibration + plan.check + 1 + plan.held_out
-    return first + plan.rounds * (plan.episodes + 1 + plan.held_out) + plan.final
+    schedule, held_out = plan.schedule, plan.comparison.evaluation_episodes
+    expert = schedule.demonstrations + schedule.calibration + schedule.false_alarm_episodes
+    rounds = schedule.rounds * (schedule.episodes + 1 + held_out)
+    return expert + 1 + held_out + rounds + plan.comparison.final_episodes

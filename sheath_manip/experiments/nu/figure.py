@@ -42,8 +42,8 @@ def nu_figure(task: str, found: Mapping[str, Any], path: Path) -> None:
             figure,
             f"{task.capitalize()}: the size of the support and learning",
             "ν bounds the training states that the support leaves outside; the gate is its own "
-            f"boundary; {counted(len(found['learning']['seeds']), 'training seed')}, bars are "
-            "95 % intervals",
+            f"boundary; {counted(len(found['learning']['comparison']['seeds']), 'training seed')}, "
+            "bars are 95 % intervals",
         )
         grid = figure.subplots(2, 2)
         shades = colormaps["viridis"](np.linspace(0.0, 0.85, len(rows)))

@@ -1,7 +1,7 @@
 """How many nu are tried, and on which of a task's plans."""
 
 import dataclasses
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from sheath_manip.exceptions import ParameterError
@@ -37,8 +37,10 @@ class NuPlan:
 
     def of(self, task: TaskEntry, nu: float) -> LearningPlan:
         """What runs on `task` for one nu."""
-        plan = replace(task.plans[self.learning], nu=nu, methods=(METHOD,))
-        return plan if self.seeds is None else replace(plan, seeds=self.seeds)
+        plan = task.plans[self.learning].changed(
+            gate={"support": {"nu": nu}}, comparison={"methods": (METHOD,)}
+        )
+        return plan if self.seeds is None else plan.changed(comparison={"seeds": self.seeds})
 
 
 PLANS = {"full": NuPlan(), "quick": NuPlan(learning="nu-quick", nus=(0.05, 0.5))}

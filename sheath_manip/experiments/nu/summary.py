@@ -34,7 +34,7 @@ class Setting:
     @property
     def seeds(self) -> tuple[int, ...]:
         """Of its training runs."""
-        return self.plan.seeds
+        return self.plan.comparison.seeds
 
 
 def summarise(
@@ -89,7 +89,7 @@ def _learned(at: Setting) -> dict[str, Any]:
 def _table(task: str, found: Mapping[str, Any]) -> Table:
     words = str(found["metric"]).replace("_", "\n")
     grid = Table(
-        title=f"{task}: training seeds {seeds_shown(found['learning']['seeds'])}",
+        title=f"{task}: training seeds {seeds_shown(found['learning']['comparison']['seeds'])}",
         caption="ν: bound on the training states left outside · outside: share of the steps met, "
         "in the first round, the last and all · run: what was executed in all rounds · area: the "
         "policy alone, mean over all rounds · alone: the last one",

@@ -1,0 +1,77 @@
+"""Everything that a gate is made from, as plain values: what a checkpoint keeps of it."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.signals import SignalChoice
+from sheath_manip.support import support_hyperparameters
+from sheath_manip.support.config import SupportConfig, ThresholdConfig
+
+LABELS = ("all", "own")
+
+
+@dataclass(frozen=True)
+class GateConfig:
+    """What the gate looks at, where it draws the line, and how a takeover ends."""
+
+    signal: str = "joined"
+    """what the gate looks at, as `sheath tasks` lists it: the support, the precedent of the
+    proposed action, or both joined; for continuous actions the precedent is a near one"""
+    embedding: str = "convolutions-and-pixels"
+    """on which the support is estimated, as `sheath tasks` lists it"""
+    precedent_embedding: str = "foveal-convolutions"
+    """in which precedents of the policy's action are looked for"""
+    support: SupportConfig = field(default_factory=SupportConfig)
+    threshold: ThresholdConfig = field(default_factory=ThresholdConfig)
+    release_rate: float = 0.0
+    """share of new expert steps below the score at which the expert hands back (LazyDAgger), where
+    that is above the threshold"""
+    release_margin: float = 0.0
+    """>= 0, in units of the score: how far above that it must be besides"""
+    quiet_steps: int = 0
+    """how many such steps in a row before the expert hands back"""
+    minimum_hold_steps: int = 0
+    """for how many steps at least the expert acts once it has taken over"""
+    labels: str = "all"
+    """all (the expert labels every state) or own (only those in which it acts)"""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.release_rate < 1:
+            raise ParameterError(f"release_rate is {self.release_rate}; wanted 0 to below 1")
+        for name in ("release_margin", "quiet_steps", "minimum_hold_steps"):
+            if not getattr(self, name) >= 0:
+                raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 0")
+        if self.labels not in LABELS:
+            raise ParameterError(f"labels is {self.labels!r}; wanted {' or '.join(LABELS)}")
+
+    def described(self) -> dict[str, Any]:
+        """Return plain values, nested, that JSON keeps; `from_described` takes them back."""
+        return dataclasses.asdict(self)
+
+    @classmethod
+    def from_described(cls, content: Mapping[str, Any]) -> Self:
+        """Return the config that `described` gave; what is missing has its default.
+
+        Raises ParameterError for a setting that there is none of, or a value outside its range.
+        """
+        try:
+            settings = dict(content)
+            support = SupportConfig(**settings.pop("support", {}))
+            threshold = ThresholdConfig(**settings.pop("threshold", {}))
+            return cls(**settings, support=support, threshold=threshold)
+        except TypeError as error:
+            raise ParameterError(f"{content} is no config of a gate: {error}") from error
+
+
+def planned_signal(config: GateConfig) -> SignalChoice:
+    """Return the choice that `config` names; raises UnknownNameError for its support."""
+    return SignalChoice(
+        signal=config.signal,
+        embedding=config.embedding,
+        support=config.support.name,
+        precedent_embedding=config.precedent_embedding,
+        hyperparameters=support_hyperparameters(config.support),
+    )

@@ -1,0 +1,126 @@
+"""Policies and embeddings of the table that are others with settings of their own."""
+
+from functools import partial
+
+from sheath_manip.policies.cnn import ConvPolicy
+from sheath_manip.policies.contrast_whitening import ContrastWhitening
+from sheath_manip.policies.convolutional_embeddings import (
+    FovealConvolutions,
+    PooledConvolutions,
+    TwoScaleConvolutions,
+)
+from sheath_manip.policies.features import ScaledFeatures
+from sheath_manip.policies.linear_svm import LinearSvm
+from sheath_manip.policies.pixels import Pixels
+from sheath_manip.policies.scaling import Whitening
+from sheath_manip.policies.side_by_side import SideBySide
+from sheath_manip.policies.spatial_embeddings import CameraConvolutions, ImagePoints
+from sheath_manip.policies.tool_view_embedding import SeenFromTool
+from sheath_manip.protocols import Embedding
+
+# For the action alone, without the painting, the lower rate is enough.
+plain_cnn = partial(ConvPolicy, learning_rate=1e-3, reconstruction_weight=0.0)
+paper_cnn = partial(plain_cnn, channels=(16,))
+# Ross et al. 2011 and the draft.
+linear_svm_paper = partial(LinearSvm, penalty=0.01)
+
+
+def convolutions_and_pixels() -> SideBySide:
+    """What the policy makes of the image, the image itself, and its middle more closely.
+
+    Of two views that know different things the joined distances know both: the whole image that the
+    robot stands askew, its middle what is near.
+    """
+    return SideBySide(
+        {
+            "convolutions": TwoScaleConvolutions(ContrastWhitening()),
+            "pixels": Pixels(Whitening()),
+            "middle": Pixels(ContrastWhitening(), side=12, middle=0.4),
+        },
+        {"convolutions": 1.0, "pixels": 2.0, "middle": 1.0},
+    )
+
+
+def two_scale_convolutions() -> TwoScaleConvolutions:
+    """The policy's convolutions, fine and coarse, their contrasts whitened."""
+    return TwoScaleConvolutions(ContrastWhitening())
+
+
+def foveal_convolutions() -> FovealConvolutions:
+    """The policy's convolutions, fine in the image's middle, their contrasts whitened."""
+    return FovealConvolutions(ContrastWhitening())
+
+
+def foveal_convolutions_whitened() -> FovealConvolutions:
+    """The policy's convolutions, fine in the image's middle, whitened."""
+    return FovealConvolutions(Whitening())
+
+
+def pooled_convolutions_whitened() -> PooledConvolutions:
+    """The policy's last convolutions, pooled and whitened."""
+    return PooledConvolutions(Whitening())
+
+
+def pixels_whitened() -> Pixels:
+    """The image itself, small and whitened."""
+    return Pixels(Whitening())
+
+
+def _and_features(seen: Embedding) -> SideBySide:
+    """What the cameras see, and what the robot feels of itself."""
+    return SideBySide({"seen": seen, "felt": ScaledFeatures()}, {"seen": 2.0, "felt": 1.0})
+
+
+def image_points() -> SideBySide:
+    """Where the policy looks in its cameras, and the features."""
+    return _and_features(ImagePoints())
+
+
+def image_points_whitened() -> SideBySide:
+    """Where the policy looks in its cameras, whitened, and the features."""
+    return _and_features(ImagePoints(Whitening()))
+
+
+def camera_convolutions() -> SideBySide:
+    """The convolutions of every camera, and the features."""
+    return _and_features(CameraConvolutions())
+
+
+def camera_convolutions_whitened() -> SideBySide:
+    """The convolutions of every camera, whitened, and the features."""
+    return _and_features(CameraConvolutions(Whitening()))
+
+
+def wrist_convolutions() -> SideBySide:
+    """The convolutions of the camera at the wrist, whitened, and the features."""
+    return _and_features(CameraConvolutions(Whitening(), cameras=("wrist",)))
+
+
+def pixels_and_features() -> SideBySide:
+    """The images themselves, small and whitened, and the features."""
+    return _and_features(Pixels(Whitening(), side=12))
+
+
+def tool_points() -> SeenFromTool:
+    """Where the policy looks, in the tool's frame."""
+    return SeenFromTool(ImagePoints())
+
+
+def tool_points_whitened() -> SeenFromTool:
+    """Where the policy looks, in the tool's frame, whitened."""
+    return SeenFromTool(ImagePoints(Whitening()))
+
+
+def tool_convolutions() -> SeenFromTool:
+    """The convolutions of the picture in the tool's frame."""
+    return SeenFromTool(CameraConvolutions())
+
+
+def tool_convolutions_whitened() -> SeenFromTool:
+    """The convolutions of the picture in the tool's frame, whitened."""
+    return SeenFromTool(CameraConvolutions(Whitening()))
+
+
+def tool_pixels() -> SeenFromTool:
+    """The picture in the tool's frame itself, small and whitened."""
+    return SeenFromTool(Pixels(Whitening(), side=12))

@@ -1,0 +1,53 @@
+"""Which support estimator, and what its threshold keeps to."""
+
+from dataclasses import dataclass
+
+from sheath_manip.exceptions import ParameterError, UnknownNameError
+
+RULES = ("steps", "episodes", "boundary", "budget")
+
+
+@dataclass(frozen=True)
+class SupportConfig:
+    """What `make_support` makes: a name in SUPPORTS and what is set of it."""
+
+    name: str = "one-class-svm"
+    """as `sheath tasks` lists it"""
+    nu: float = 0.05
+    """0 .. 1, bound on the share of training states outside the support"""
+    bandwidth_factor: float = 1.0
+    """c of the RBF exp(-|x-y|²/c), in the unit below"""
+    bandwidth_unit: str = "median"
+    """median (of the squared distances between training states) or dimensions (the number of
+    features, so that 0.01 are one binary feature in a hundred)"""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.nu <= 1:
+            raise ParameterError(f"nu is {self.nu}; wanted more than 0 and at most 1")
+        if not self.bandwidth_factor > 0:
+            raise ParameterError(
+                f"bandwidth_factor is {self.bandwidth_factor}; wanted more than 0, like 1.0"
+            )
+
+
+@dataclass(frozen=True)
+class ThresholdConfig:
+    """How the score is found below which the expert takes over."""
+
+    rule: str = "steps"
+    """steps (a rate of false alarms in new expert steps), episodes (the probability of any in a new
+    expert episode), budget (the expert's share of what the policy met last) or boundary (the
+    support's own, 0)"""
+    false_alarm_rate: float = 0.15
+    """0 .. 1, that the rules steps and episodes keep to"""
+    expert_budget: float = 0.15
+    """0 .. 1, share of the steps that the rule budget gives to the expert"""
+    recalibrate: bool = True
+    """find it again every round, or only in the first (CRSAIL)"""
+
+    def __post_init__(self) -> None:
+        if self.rule not in RULES:
+            raise UnknownNameError("threshold rule", self.rule, RULES)
+        for name in ("false_alarm_rate", "expert_budget"):
+            if not 0 < getattr(self, name) < 1:
+                raise ParameterError(f"{name} is {getattr(self, name)}; wanted 0 .. 1")
