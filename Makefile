@@ -4,9 +4,10 @@ PYTHON ?= $(or $(shell command -v python3.11),python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
-# Two pytest workers on two cores: more threads in each would only fight over them.
-TEST_ENVIRONMENT := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1
+# Two pytest workers on two cores: more threads in each would only fight over them. Stealing leaves
+# neighbours together, so that what a file's tests share is made once.
 WORKERS ?= 2
+PYTEST := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 # A change of either file installs anew; a second run does not.
 REQUIREMENTS := pyproject.toml constraints.txt
@@ -16,10 +17,10 @@ DEV_STAMP := $(VENV)/.dev-installed
 .DEFAULT_GOAL := help
 # Two recipes at once would fight over apt's lock and the venv.
 .NOTPARALLEL:
-.PHONY: help install demo test lint contracts types format clean gl browser
+.PHONY: help install demo test soak lint contracts types wheel-test format clean gl browser
 
 help: ## print this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 install: $(DEV_STAMP) gl browser ## make .venv with everything that a developer needs
 
@@ -28,7 +29,12 @@ demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser
 
 # Fast to slow; the first that fails stops the rest.
 test: lint contracts types gl browser ## lint, import contracts, types, tests
-	$(TEST_ENVIRONMENT) $(BIN)/pytest -n $(WORKERS)
+	$(PYTEST)
+
+soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, long runs, kills
+	$(PYTEST) -m 'soak or hypothesis' --hypothesis-profile soak --timeout 900
+	$(BIN)/python -m tools.soak --minutes 3
+	$(BIN)/python -m tools.kill_recorder --kills 60 --writers 2 --polls 10000
 
 lint: $(DEV_STAMP) ## ruff: rules and format
 	$(BIN)/ruff check .
@@ -41,6 +47,9 @@ contracts: $(DEV_STAMP) ## the direction of the imports
 
 types: $(DEV_STAMP) ## pyright
 	$(BIN)/pyright
+
+wheel-test: $(DEV_STAMP) gl ## install the wheel in a venv of its own and try it; the tests do it too
+	$(TEST_ENVIRONMENT) $(BIN)/pytest -n 0 tests/wheel
 
 format: $(DEV_STAMP) ## let ruff fix and format the code
 	$(BIN)/ruff check --fix .
@@ -60,7 +69,7 @@ $(BIN)/python:
 
 $(RUNTIME_STAMP): $(REQUIREMENTS) | $(BIN)/python
 	@echo 'Installing into $(VENV): a minute or two, or more where torch comes from afar'
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[tasks]'
 	@touch $@
 
 # The development set holds the runtime set.

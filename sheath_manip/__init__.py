@@ -1,8 +1,80 @@
-"""The core of sheath-manip: learning from an expert under a gate."""
+"""Learning from an expert under a gate; the names listed here are the public interface.
+
+Each is imported when it is first asked for, so that `import sheath_manip` alone stays cheap. The
+loop that drives an episode is `sheath_manip.rollout.rollout`; all other values that cross a
+boundary are in `sheath_manip.types`.
+"""
 
 import os
 import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sheath_manip.dataset.store import EpisodeStore
+    from sheath_manip.exceptions import SheathError
+    from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+    from sheath_manip.protocols import Environment, Expert, Gate, Policy
+    from sheath_manip.types import (
+        ActionSpec,
+        Episode,
+        EpisodeInfo,
+        GateDecision,
+        Observation,
+        TaskSpec,
+        Transition,
+    )
+    from sheath_manip.types.samples import Samples
+
+__all__ = [
+    "ActionSpec",
+    "Checkpoint",
+    "Environment",
+    "Episode",
+    "EpisodeInfo",
+    "EpisodeStore",
+    "Expert",
+    "Gate",
+    "GateDecision",
+    "Observation",
+    "Policy",
+    "Samples",
+    "SheathError",
+    "TaskSpec",
+    "Transition",
+    "load_checkpoint",
+]
+
+_HOMES = {
+    "dataset.store": ("EpisodeStore",),
+    "exceptions": ("SheathError",),
+    "learning.checkpoint": ("Checkpoint", "load_checkpoint"),
+    "protocols": ("Environment", "Expert", "Gate", "Policy"),
+    "types": (
+        "ActionSpec",
+        "Episode",
+        "EpisodeInfo",
+        "GateDecision",
+        "Observation",
+        "TaskSpec",
+        "Transition",
+    ),
+    "types.samples": ("Samples",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 # Without a display MuJoCo must be told to render off screen before it is first imported.
 if sys.platform == "linux" and not os.environ.get("DISPLAY"):
     os.environ.setdefault("MUJOCO_GL", "egl")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_HOME_OF[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

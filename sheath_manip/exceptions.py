@@ -34,12 +34,20 @@ class StoreError(SheathError):
     """A path that is no episode store, or an episode in it that cannot be read."""
 
 
+class WorkerError(SheathError):
+    """A worker process failed, or was lost."""
+
+
 class ParameterError(SheathError):
     """A hyperparameter outside its range, or data of the wrong shape."""
 
 
 class SetupError(SheathError):
     """Something that the machine lacks: a GL library, a free port, disk."""
+
+
+class UnattendedError(SheathError):
+    """Nobody is left to say what a simulation that cannot hold shall do after a stop or a loss."""
 
 
 class UnscoredError(ParameterError):

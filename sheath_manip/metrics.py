@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from sheath_manip.types import Actor, Episode, Outcome
+from sheath_manip.types import Actor, Episode, Outcome, intervened
 
 CONFIDENCE = 0.95
 
@@ -20,12 +20,15 @@ class EpisodeRecord:
     metrics: Mapping[str, float]
     steps: int
     expert_steps: int
+    """steps driven in the policy's place: by the expert, an operator or a fallback controller"""
     queries: int
     """steps with a label, whether the expert acted or was only asked"""
     switches: int
     """changes of who acts"""
     interventions: int
-    """runs of steps in which the expert acts, in an episode that has a policy"""
+    """runs of steps in which somebody else than the policy acts, in an episode that has one"""
+    hold_steps: int = 0
+    """steps in which nobody drove and the robot was held"""
     limited_steps: int = 0
     """steps whose command a command filter changed"""
 
@@ -45,9 +48,10 @@ class Figures:
 
 def record_of(episode: Episode) -> EpisodeRecord:
     """The figures of one episode."""
-    expert = np.array([step.decision.actor is Actor.EXPERT for step in episode.steps])
-    has_policy = any(step.proposed is not None for step in episode.steps)
-    starts = int(np.count_nonzero(np.diff(expert.astype(int), prepend=0) == 1))
+    actors = [step.decision.actor for step in episode.steps]
+    expert = np.array([actor.in_place_of_policy for actor in actors])
+    by_policy = np.array([actor is Actor.POLICY for actor in actors])
+    interventions = np.array([intervened(episode.info, step) for step in episode.steps])
     return EpisodeRecord(
         seed=episode.info.seed,
         outcome=episode.outcome,
@@ -55,10 +59,21 @@ def record_of(episode: Episode) -> EpisodeRecord:
         steps=len(episode),
         expert_steps=int(expert.sum()),
         queries=sum(step.label is not None for step in episode.steps),
-        switches=int(np.count_nonzero(np.diff(expert.astype(int)))),
-        interventions=starts if has_policy else 0,
+        hold_steps=sum(actor is Actor.HOLD for actor in actors),
+        switches=int(np.count_nonzero(np.diff(by_policy.astype(int)))),
+        interventions=len(runs_of(interventions)),
         limited_steps=sum(bool(step.limited) for step in episode.steps),
     )
+
+
+def runs_of(mask: np.ndarray) -> list[tuple[int, int]]:
+    """Return each run of true values in (n,) `mask` as (first, first after it).
+
+    Of the steps in which somebody else than the policy acts these are the interventions: the one
+    definition for tables, stores, pages and results.
+    """
+    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 
 
 def figures_of(records: Sequence[EpisodeRecord]) -> Figures:

@@ -11,8 +11,12 @@ from sheath_manip.types import (
     Episode,
     EpisodeInfo,
     GateDecision,
+    Judgement,
     Observation,
+    Observations,
     Outcome,
+    Proposal,
+    Reason,
     SceneGeom,
     ScenePose,
     Step,
@@ -20,6 +24,7 @@ from sheath_manip.types import (
     Transition,
 )
 from sheath_manip.types.samples import Samples
+from sheath_manip.types.seen import Seen
 
 Arrays = Mapping[str, NDArray]
 """The learned state of a component as plain arrays: what a checkpoint holds, with no code in it."""
@@ -103,37 +108,47 @@ class TakesOver(Expert, Protocol):
 
 
 @runtime_checkable
-class Follows(Expert, Protocol):
-    """An expert that must know the way that was travelled, also while the policy acts."""
+class Follows(Protocol):
+    """An expert that must know the way travelled, or a policy that looks at the physics."""
 
     def follow(self, observation: Observation) -> None:
         """Look at the state at each step, before anyone acts."""
         ...
 
 
-class Proposer(Protocol):
-    """Says at each step what it would do: all that the loop wants of a policy."""
+class Policy(Protocol):
+    """Proposes actions from what is observed: all that it takes to drive under a gate."""
 
-    def act(self, observation: Observation) -> Action:
-        """(a,) the action for one observation."""
+    def reset(self, rng: np.random.Generator) -> None:
+        """Begin an episode: forget the last one, and draw from `rng` from now on."""
+        ...
+
+    def propose(self, observations: Observations) -> Proposal:
+        """Look once at the present observation (a batch of one), and propose.
+
+        Called once a control step. What an embedding takes of the look goes along as latents, so
+        that the gate judges this very proposal and no network sees an image twice.
+        """
         ...
 
 
-class Policy(Proposer, Protocol):
-    """Maps observations to actions; looks at the observation only."""
+class TrainablePolicy(Policy, Protocol):
+    """A policy that this framework can fit, save and load."""
 
     def fit(self, samples: Samples) -> Self:
         """Fit to the labels of `samples`, continuing from the present parameters, if any."""
         ...
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) actions for (n, h, w, 3) images by camera and (n, f) features."""
+    def predict(self, observations: Observations) -> Proposal:
+        """Look at n states that have nothing to do with each other; nothing is drawn or kept.
+
+        The latents hold what embeddings may take, so many states at once should be few: `look`
+        goes through them in batches.
+        """
         ...
 
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
-        """(n,) in 0..1: how far each predicted action is from its label."""
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
+        """(n,) in 0..1: how far each predicted action is from its (n, a) label."""
         ...
 
     def arrays(self) -> Arrays:
@@ -146,18 +161,7 @@ class Policy(Proposer, Protocol):
 
 
 @runtime_checkable
-class ScoresChoices(Policy, Protocol):
-    """A policy of tasks with choices that says how it ranks them."""
-
-    def choice_scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.floating]:
-        """(n, k) one for each choice of the task; it takes the one with the highest."""
-        ...
-
-
-@runtime_checkable
-class HasOwnFrame(Policy, Protocol):
+class HasOwnFrame(Protocol):
     """A policy that sees and acts in a frame of its own, in which alone actions compare."""
 
     def in_own_frame(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
@@ -165,25 +169,47 @@ class HasOwnFrame(Policy, Protocol):
         ...
 
 
-class Embedding(Protocol):
-    """Maps observations to the vectors on which the support is estimated, scaling included."""
+class Reader(Protocol):
+    """Takes vectors of one kind from a look; equal readers read the same, and share the reading."""
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Fit to the training states of `policy`."""
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, d) vectors; raises ParameterError where the proposal lacks the latents."""
         ...
 
-    def transform(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, d) scaled vectors for (n, h, w, 3) images by camera and (n, f) features."""
+    def __hash__(self) -> int:
+        """Equal for equal readers: frozen dataclasses do."""
+        ...
+
+
+class Embedding(Protocol):
+    """Makes of what was read the vectors on which the support is estimated, scaling included."""
+
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether `fit` needs `Seen.displaced`."""
+        ...
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read looks of `policy` from now on; return all that is to be read of each.
+
+        Raises ParameterError where it lacks what is needed.
+        """
+        ...
+
+    def fit(self, seen: Seen) -> Self:
+        """Fit to the training states, as the policy that it is attached to saw them."""
+        ...
+
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
+        """(n, d) scaled vectors of n states."""
         ...
 
     def arrays(self) -> Arrays:
         """The learned state, without the policy's."""
         ...
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over a learned state on top of `policy`."""
+    def load(self, arrays: Arrays) -> Self:
+        """Take over a learned state."""
         ...
 
 
@@ -218,31 +244,50 @@ class SupportEstimator(Protocol):
 
 
 class Signal(Protocol):
-    """Says of a state how far the policy may be trusted with it: what a gate looks at."""
+    """Score how far the policy can be trusted in a state; higher is safer. Gates threshold it.
 
-    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
-        """Fit to the training `states` of `policy`, and look through that policy from now on."""
+    What it measures in a state may be several numbers: `calibrate` learns how they lie among the
+    expert's own steps, and `scores` makes one of them.
+    """
+
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether `fit` needs `Seen.displaced`."""
         ...
 
-    def calibrate(self, episodes: Sequence[Samples]) -> Self:
-        """Learn what held-out expert episodes, that no fit has seen, look like."""
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Judge looks of `policy` from now on; return all that is to be read of each."""
         ...
 
-    def scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
-        """(n,) the higher the better, for (n, h, w, 3) images by camera and (n, f) features.
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
+        """Fit to the training states, as the policy saw them, and their (n, a) labels."""
+        ...
 
-        NaN where there is none; -inf is below any threshold.
+    def measure(self, seen: Seen) -> NDArray[np.float64]:
+        """(n, p) what it says of n states, and of what the policy would do there.
+
+        NaN where there is nothing to say; -inf is below any threshold.
         """
+        ...
+
+    def calibrate(self, measures: Sequence[NDArray]) -> Self:
+        """Learn how the measures of held-out expert episodes lie, (n, p) of each episode."""
+        ...
+
+    def scores(self, measures: NDArray) -> NDArray[np.float64]:
+        """(n,) the scores of (n, p) measures, the higher the better; NaN where there is none."""
+        ...
+
+    def blames(self, measures: NDArray) -> Reason:
+        """Tell what is to blame for a low score of one state, (p,)."""
         ...
 
     def arrays(self) -> Arrays:
         """The learned state, without the policy's."""
         ...
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over a learned state on top of `policy`."""
+    def load(self, arrays: Arrays) -> Self:
+        """Take over a learned state."""
         ...
 
 
@@ -250,8 +295,16 @@ class Signal(Protocol):
 class Refits(Protocol):
     """A signal with something that can be fitted again on policy and embedding as they are."""
 
-    def refit(self, states: Samples) -> Self:
-        """Fit it to the training `states`; raises ParameterError where that cannot be done."""
+    def refit(self, seen: Seen) -> Self:
+        """Fit it to the training states; raises ParameterError where that cannot be done."""
+        ...
+
+
+class Judge(Protocol):
+    """Says what it thinks of a proposal: a checkpoint does, by its signal."""
+
+    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+        """Judge the proposal itself: nothing is asked of the policy again."""
         ...
 
 
@@ -262,8 +315,8 @@ class Gate(Protocol):
         """Forget the last episode; all randomness comes from `rng`."""
         ...
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """Decide for one step; `proposed` is None where the policy had nothing valid to say."""
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """Decide for one step; `proposal` is None where the policy had nothing valid to say."""
         ...
 
 

@@ -19,7 +19,7 @@ SCRIPTED = "scripted"
 
 
 @dataclass(frozen=True)
-class TaskEntry:
+class Task:
     """How to make a task, its expert and its experiment. Everything in it can be pickled."""
 
     name: str

@@ -1,10 +1,23 @@
 """How many threads the numerics take."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import torch
 from threadpoolctl import threadpool_limits
+
+THREADS = 1
+"""of torch and BLAS each, in an experiment: another number adds up in another order, so that only
+runs with the same number give the same result to the bit"""
+
+
+def one_thread_by_default() -> None:
+    """Let numpy and torch take one thread unless OMP_NUM_THREADS is set; call it before importing
+    them.
+
+    On two cores, two threads in each of two processes cost many times what they give.
+    """
+    os.environ.setdefault("OMP_NUM_THREADS", str(THREADS))
 
 
 @contextmanager
@@ -13,10 +26,13 @@ def single_threaded() -> Iterator[None]:
 
     Two threads beside another busy process made a 0.2 ms forward take 33 ms.
     """
+    # Only now: when this module is imported, the default above need not be set yet.
+    import torch
+
     before = torch.get_num_threads()
-    torch.set_num_threads(1)
+    torch.set_num_threads(THREADS)
     try:
-        with threadpool_limits(1):
+        with threadpool_limits(THREADS):
             yield
     finally:
         torch.set_num_threads(before)

@@ -5,7 +5,7 @@ from functools import cache, partial
 import numpy as np
 
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Action, ActionSpec, Observation, TaskSpec, Transition
 from sheath_manip.types.samples import Samples
 from tests.toy import CHOICES as SIDESTEPS
@@ -77,7 +77,7 @@ PLAN = LearningPlan().changed(
         "episodes": 2,
     },
 )
-BUTTONS = TaskEntry(
+BUTTONS = Task(
     name="buttons",
     summary="keep to the middle of a windy corridor, by two buttons",
     variants={"default": ButtonCorridor, "final": partial(ButtonCorridor, steps=24)},

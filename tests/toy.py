@@ -10,7 +10,7 @@ from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.experiments.probes import Displacement, Probes
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import (
     Action,
     ActionSpec,
@@ -162,7 +162,7 @@ PLAN = LearningPlan().changed(
         "episodes": 2,
     },
 )
-CORRIDOR = TaskEntry(
+CORRIDOR = Task(
     name="corridor",
     summary="keep to the middle of a windy corridor",
     variants={"default": Corridor, "final": make_long},

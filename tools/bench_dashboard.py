@@ -233,9 +233,11 @@ class HeardCockpit(Cockpit):
         super().__init__(*args, **options)
         self.heard_s: dict[Order, float] = {}
 
-    def order(self, order: Order, station: str, value: float = 1.0) -> bool:
-        """Note it, once it stands in the queue."""
-        done = super().order(order, station, value)
+    def order(
+        self, order: Order, station: str, value: float = 1.0, seen: int | None = None
+    ) -> bool:
+        """Note it, once it was followed."""
+        done = super().order(order, station, value, seen)
         self.heard_s[order] = time.perf_counter()
         return done
 
@@ -329,6 +331,8 @@ def play(
             while order not in cockpit.heard_s:
                 time.sleep(0.001)
             found[order].append(gate.steps_until(acts[order], cockpit.heard_s[order]))
+        # A reset counts only for a stop that was seen.
+        station.until(lambda shown: shown["stopped"])
         station.order(Order.RESET.value)
         station.until(lambda shown: not shown["stopped"])
         station.order(Order.RESUME.value)

@@ -2,9 +2,8 @@
 
     python -m tools.bench_data [--quick] [--results DIRECTORY]
 
-writes bench-data.json, which `sheath claims` reads. Times are of the wall clock, since much of them
-is waiting for the disk: nothing else should run beside it. --quick takes other sizes, to see that
-it runs.
+writes bench-data.json, which `sheath claims` reads. Times are of the CPU, so that other processes
+matter little; waits for the disk are of the clock. --quick takes other sizes, to see that it runs.
 """
 
 import tempfile
@@ -25,10 +24,12 @@ from sheath_manip.rollout.loop import rollout
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
 from sheath_manip.types.samples import Samples, samples_from
-from tools.bench import Line, at_most, run_bench
+from tools.bench import Line, at_most, run_bench, spent_s
 from tools.kill_recorder import synthetic_episode, synthetic_info
 
 BATCH = 256
+CALLS = time.thread_time
+"""the clock of calls in a thread: the CPU time of that thread alone"""
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,6 @@ class Sizes:
     """that the episodes of a task take, one after the other; at the end the last one is waited
     for"""
     turns: int = 8
-    """in which they are, and are not; even, so that each of both comes first as often"""
     stored_episodes: int = 20
     steps: int = 300
     pixels: int = 84
@@ -49,8 +49,36 @@ class Sizes:
 QUICK = Sizes(turn_s=0.0, turns=1, stored_episodes=2, steps=40, pixels=16, draws=5)
 
 
+class ClockedRecorder(BackgroundRecorder):
+    """A recorder that adds up what it takes from the loop that it listens to."""
+
+    def __init__(self, store: EpisodeStore) -> None:
+        super().__init__(store)
+        self.call_s = 0.0
+        """CPU time of the calls"""
+        self.waited_s = 0.0
+        """by the clock, for the process that writes"""
+
+    def on_end(self, episode: Episode) -> None:
+        """As a recorder."""
+        self.call_s += spent_s(lambda: super(ClockedRecorder, self).on_end(episode), clock=CALLS)
+
+    def flush(self) -> None:
+        """As a recorder."""
+        self.waited_s += spent_s(super().flush, clock=time.perf_counter)
+
+    @property
+    def cost_s(self) -> float:
+        """Seconds so far, with the CPU time of its thread, which takes turns with the loop."""
+        return self.call_s + self.waited_s + self._thread.submit(CALLS).result()
+
+
 def recording_lines(sizes: Sizes) -> dict[str, Line]:
-    """By how much longer expert episodes take where they are recorded, as fast as they simulate."""
+    """What recording adds to expert episodes that follow each other as fast as they simulate.
+
+    It is counted where it arises. The difference of two whole runs, with and without, is some
+    hundredths of either, and any other process on the machine moves it by more than that.
+    """
     lines = {}
     for name, task in TASKS.items():
         environment = task.make()
@@ -60,26 +88,25 @@ def recording_lines(sizes: Sizes) -> dict[str, Line]:
         one = _infos(name, rate_hz, 1)
         (first,) = run(one)
         simulated_s = len(first) / rate_hz
-        one_s = _spent_s(partial(run, one))
-        infos = _infos(name, rate_hz, max(1, round(sizes.turn_s / one_s)))
+        infos = _infos(name, rate_hz, max(1, round(sizes.turn_s / spent_s(partial(run, one)))))
         with (
             tempfile.TemporaryDirectory(dir=".") as folder,
             # For all turns, as one does for all rounds of a training run.
-            BackgroundRecorder(EpisodeStore.create(Path(folder, "store"))) as recorder,
+            ClockedRecorder(EpisodeStore.create(Path(folder, "store"))) as recorder,
         ):
             alone = EpisodeStore.create(Path(folder, "alone"))
             turns = [_turn(run, infos, recorder, alone, number) for number in range(sizes.turns)]
         environment.close()
-        plain_s, recorded_s, append_s = np.array(turns).T
-        cost_s = np.median(recorded_s - plain_s) / len(infos)
+        episode_s, cost_s, append_s = np.median(turns, axis=0)
+        shares = [100 * cost_s / episode_s for episode_s, cost_s, _ in turns]
         lines[f"recording, {name}"] = at_most(
-            100 * np.median(recorded_s / plain_s - 1),
+            np.median(shares),
             2,
             "% longer",
-            f"{len(infos)} episodes of {np.median(plain_s) / len(infos):.2f} s with and without, "
-            f"in turns, median of {len(turns)}; {100 * cost_s / simulated_s:.2f} % of the "
-            f"{simulated_s:.1f} s that a robot takes for one; an append alone takes "
-            f"{1e3 * np.median(append_s):.0f} ms, synced",
+            f"{1e3 * cost_s:.1f} ms of calls, sending and waits to {episode_s:.2f} CPU s an "
+            f"episode, median of {len(turns)} turns of {len(infos)}, largest "
+            f"{max(shares):.2f} %; {100 * cost_s / simulated_s:.2f} % of the {simulated_s:.1f} s "
+            f"that a robot takes for one; an append alone takes {1e3 * append_s:.0f} ms, synced",
         )
     return lines
 
@@ -114,24 +141,21 @@ def _run(
 def _turn(
     run: Callable[..., list[Episode]],
     infos: Sequence[EpisodeInfo],
-    recorder: BackgroundRecorder,
+    recorder: ClockedRecorder,
     alone: EpisodeStore,
     number: int,
 ) -> tuple[float, float, float]:
-    """Seconds of all episodes without and with the recorder, and of one append to `alone`."""
+    """CPU seconds of an episode, what recording it added, and seconds of one append to `alone`."""
     # The same scenes under names of their own.
     infos = [replace(info, round=number) for info in infos]
-
-    def recorded() -> None:
-        run(infos, [recorder])
-        recorder.flush()
-
-    # Who comes first changes, so that a machine that slows down favours neither.
-    recorded_s = _spent_s(recorded) if number % 2 else 0.0
-    plain_s = _spent_s(lambda: run(infos))
-    recorded_s = recorded_s or _spent_s(recorded)
-    (episode,) = run(infos[:1])
-    return plain_s, recorded_s, _spent_s(lambda: alone.append(episode))
+    before_s, began_s = recorder.cost_s, time.process_time()
+    episode = run(infos, [recorder])[-1]
+    # The wait for the last one counts.
+    recorder.flush()
+    whole_s = time.process_time() - began_s
+    cost_s = recorder.cost_s - before_s
+    append_s = spent_s(lambda: alone.append(episode), clock=time.perf_counter)
+    return whole_s / len(infos), cost_s / len(infos), append_s
 
 
 def drawing_lines(sizes: Sizes) -> dict[str, Line]:
@@ -149,7 +173,7 @@ def drawing_lines(sizes: Sizes) -> dict[str, Line]:
         times: list[list[float]] = [[], []]
         for _ in range(sizes.draws):
             for side, samples in zip(times, (in_memory, mapped), strict=True):
-                side.append(_spent_s(lambda samples=samples: _draw(samples, rng)))
+                side.append(spent_s(lambda samples=samples: _draw(samples, rng)))
         frames = f"of {len(mapped)} labelled ones, {sizes.pixels}×{sizes.pixels}"
         memory_ms, mapped_ms = 1e3 * np.median(times, axis=1)
         how = f"Samples.take {frames}, median of {sizes.draws}"
@@ -163,12 +187,6 @@ def drawing_lines(sizes: Sizes) -> dict[str, Line]:
 
 def _draw(samples: Samples, rng: np.random.Generator) -> Samples:
     return samples.take(rng.integers(0, len(samples), BATCH))
-
-
-def _spent_s(call: Callable[[], object]) -> float:
-    start_s = time.perf_counter()
-    call()
-    return time.perf_counter() - start_s
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

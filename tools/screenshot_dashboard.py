@@ -44,7 +44,7 @@ from sheath_manip.protocols import Environment
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import generator, scene_seed
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
@@ -104,14 +104,14 @@ class Pose:
 class Subject:
     """What is photographed."""
 
-    task: TaskEntry
+    task: Task
     checkpoint: Checkpoint | None
     """None: the expert alone"""
     store: Path | None
     """of the episodes that the checkpoint was fitted to"""
 
 
-def trained(task: TaskEntry, folder: Path) -> Subject:
+def trained(task: Task, folder: Path) -> Subject:
     """A policy and its gate from a few demonstrations."""
     plan = task.plans["quick"].changed(
         schedule={"false_alarm_episodes": 1},
@@ -126,7 +126,7 @@ def trained(task: TaskEntry, folder: Path) -> Subject:
 
 
 def subject_of(
-    task: TaskEntry, options: argparse.Namespace, environment: Environment, folder: Path
+    task: Task, options: argparse.Namespace, environment: Environment, folder: Path
 ) -> Subject:
     """Read, trained, or the expert."""
     if options.expert:
@@ -156,7 +156,7 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
 
 
 def info_of(
-    task: TaskEntry, environment: Environment, method: str, round: int, index: int
+    task: Task, environment: Environment, method: str, round: int, index: int
 ) -> EpisodeInfo:
     """Of an episode in a scene that no experiment has."""
     return EpisodeInfo(
@@ -170,7 +170,7 @@ def info_of(
     )
 
 
-def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> Subject:
+def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
     """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
     pose = Pose(with_policy=not options.expert)
     shown: Future[Dashboard] = Future()
@@ -288,12 +288,12 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
             wait_until(lambda: hold(Turn.PERSON), "person", page)
             photograph(page, ("Run", "Support"), f"{task.name}-person", options.out)
         finally:
+            cockpit.end(Ending.SAVE)
             cockpit.close()
-            cockpit.ending = Ending.SAVE
         run.result()
 
 
-def recorded(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> None:
+def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
     shelf = Shelf(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()

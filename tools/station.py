@@ -66,8 +66,8 @@ class Station:
             thread.start()
 
     def order(self, order: str, value: float = 1.0) -> None:
-        """Give an order, by its name on the wire."""
-        self.send({"order": order, "value": value})
+        """Give an order, by its name on the wire; it goes by what was last `shown`."""
+        self.send({"order": order, "value": value, "seen": self.shown.get("stops")})
 
     def hold(
         self,
@@ -81,7 +81,7 @@ class Station:
             held["pad"] = {"axes": [float(axis) for axis in axes], "buttons": sorted(buttons)}
         with self._lock:
             self._held = held
-        self.send(held)
+        self._say_held()
 
     def send(self, message: dict[str, Any]) -> None:
         """Send what may be no message at all."""
@@ -127,8 +127,11 @@ class Station:
     def _beat(self) -> None:
         try:
             while not self._closing.wait(self._beat_s):
-                with self._lock:
-                    held = self._held
-                self.send(held)
+                self._say_held()
         except ConnectionClosed:
             pass
+
+    def _say_held(self) -> None:
+        with self._lock:
+            # Under the lock, so that what was held before is not said after what is held now.
+            self.send({**self._held, "clock": time.monotonic() * 1000})

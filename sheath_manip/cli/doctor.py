@@ -10,6 +10,7 @@ import sys
 import time
 from dataclasses import dataclass
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -44,6 +45,12 @@ GL_LIBRARIES = {
 
 GL_OFF = ("disable", "disabled", "off", "false", "0")
 """MuJoCo's words for no rendering at all"""
+
+SIMULATOR = ("mujoco", "dm_control", "mink", "daqp")
+"""what the house's own tasks import beside the core: the extra `tasks`"""
+
+WITH_TASKS = "pip install 'sheath-manip[tasks]'"
+INSTALL = f"{WITH_TASKS}, or in a checkout pip install -c constraints.txt -e '.[tasks]'"
 
 CLASHES = {
     "mujoco": "MuJoCo 4 dropped flex_vertedge, which dm-control 1.0.50 reads",
@@ -129,32 +136,42 @@ def check_python() -> Finding:
 
 
 def check_versions() -> list[Finding]:
-    """What is installed against the ranges that pyproject.toml names."""
-    cure = "pip install -c constraints.txt -e ."
+    """What is installed against the ranges that pyproject.toml names.
+
+    Without the simulator of the house's own tasks only the core is looked at.
+    """
+    missing = _missing_simulator()
+    extra = {"extra": "" if missing else "tasks"}
     try:
         requirements = [Requirement(line) for line in metadata.requires("sheath-manip") or ()]
     except metadata.PackageNotFoundError:
-        return [Finding("packages", False, "sheath-manip is not installed", cure)]
-    requirements = [r for r in requirements if r.marker is None or r.marker.evaluate({"extra": ""})]
+        return [Finding("packages", False, "sheath-manip is not installed", INSTALL)]
+    requirements = [r for r in requirements if r.marker is None or r.marker.evaluate(extra)]
 
     problems = []
     for wanted in requirements:
         try:
             version = metadata.version(wanted.name)
         except metadata.PackageNotFoundError:
-            problems.append(Finding(wanted.name, False, "not installed", cure))
+            problems.append(Finding(wanted.name, False, "not installed", INSTALL))
             continue
         if not wanted.specifier.contains(version, prereleases=True):
             why = f" ({CLASHES[wanted.name]})" if wanted.name in CLASHES else ""
             detail = f"{version} is installed, {wanted.specifier} is wanted{why}"
-            problems.append(Finding(wanted.name, False, detail, cure))
+            problems.append(Finding(wanted.name, False, detail, INSTALL))
     summary = f"{len(requirements)} packages within the ranges of pyproject.toml"
-    return problems or [Finding("packages", True, summary)]
+    findings = problems or [Finding("packages", True, summary)]
+    if missing:
+        detail = f"not installed ({', '.join(missing)} missing); {WITH_TASKS} brings them"
+        findings.append(Finding("own tasks", True, detail))
+    return findings
 
 
 def check_gl() -> list[Finding]:
     """Render with the back end in force, and with the others that need no display as spares."""
     in_force = gl_in_force()
+    if "mujoco" in _missing_simulator():
+        return [Finding("rendering", True, "not looked at: MuJoCo is not installed")]
     if in_force in GL_OFF:
         return [
             Finding("rendering", False, f"MUJOCO_GL={in_force} turns it off", "unset MUJOCO_GL")
@@ -254,12 +271,26 @@ def check_threads() -> Finding:
         # Here and not above: it takes a second, and a broken torch is a finding too.
         import torch
     except (ImportError, OSError) as error:
-        return Finding("torch", False, str(error), "pip install -c constraints.txt -e .")
+        return Finding("torch", False, str(error), INSTALL)
     import_s = time.perf_counter() - start_s
     threads = torch.get_num_threads()
     ok = threads <= cores
     detail = f"{threads} threads on {cores} cores, imported in {import_s:.1f} s"
     return Finding("torch", ok, detail, "" if ok else f"export OMP_NUM_THREADS={cores}")
+
+
+def require_simulator() -> None:
+    """Raise `SetupError` where a package of the extra `tasks` is missing; nothing is imported."""
+    missing = _missing_simulator()
+    if missing:
+        raise SetupError(
+            f"the house's own tasks want {', '.join(SIMULATOR)}; missing: {', '.join(missing)}; "
+            f"cure: {WITH_TASKS}"
+        )
+
+
+def _missing_simulator() -> list[str]:
+    return [package for package in SIMULATOR if find_spec(package) is None]
 
 
 def require_gl() -> None:

@@ -59,7 +59,8 @@ def run_task_command(tasks: Tasks, task: str, argv: Sequence[str]) -> int:
     """Run the verbs for one task, which the line does not name; return the exit code."""
     bound = {name: _bound(verb, task) for name, verb in OF_A_TASK.items()}
     about = f"The task {task!r}, as `sheath` runs it."
-    return _run(bound | OF_A_STORE, tasks, argv, f"python -m tasks.{task}", about)
+    prog = f"python -m sheath_manip.tasks.{task.replace('-', '_')}"
+    return _run(bound | OF_A_STORE, tasks, argv, prog, about)
 
 
 def _run(

@@ -11,7 +11,6 @@ from sheath_manip.cli.session import Session
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.gates import redrawing
 from sheath_manip.metrics import (
     EpisodeRecord,
     expert_share,
@@ -22,12 +21,12 @@ from sheath_manip.metrics import (
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
 from sheath_manip.rollout.discarding import until_kept
 from sheath_manip.rollout.loop import rollout
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import EpisodeInfo
 
 
 @contextmanager
-def opened(task: TaskEntry, variant: str, run_seed: int = 0) -> Iterator[Environment]:
+def opened(task: Task, variant: str, run_seed: int = 0) -> Iterator[Environment]:
     """An environment of the task, closed at the end; of a run's own scene that of `run_seed`."""
     environment = task.make_for_run(variant, run_seed)
     try:
@@ -58,7 +57,7 @@ def run_all(
                     rollout,
                     environment,
                     info,
-                    redrawing(gate, policy),
+                    gate,
                     policy=policy,
                     expert=expert,
                     listeners=(*recorders, *listeners),

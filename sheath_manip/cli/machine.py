@@ -9,7 +9,7 @@ from rich.text import Text
 
 from sheath_manip.cli import doctor
 from sheath_manip.cli.session import Session
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import ActionSpec
 
 
@@ -53,7 +53,7 @@ class Tables:
         return 0
 
 
-def _described(task: TaskEntry) -> Table:
+def _described(task: Task) -> Table:
     environment = task.make()
     spec = environment.spec
     environment.close()

@@ -14,7 +14,7 @@ from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Expert, Gate, Listener
 from sheath_manip.rollout.pacing import Pacing
-from sheath_manip.task import SCRIPTED, TaskEntry
+from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Operating:
     @contextmanager
     def crew(
         self,
-        task: TaskEntry,
+        task: Task,
         address: Address,
         session: Session,
         gate: "tuple[Maker, ...]" = (),
@@ -86,7 +86,7 @@ class Operating:
 class Crew:
     """Who may act in a run that a person operates."""
 
-    task: TaskEntry
+    task: Task
     operating: Operating
     spec: TaskSpec
     cockpit: Cockpit
@@ -99,7 +99,7 @@ class Crew:
         """The page."""
         return self.listeners[0]  # pyright: ignore[reportReturnType]
 
-    def operated(self) -> TaskEntry:
+    def operated(self) -> Task:
         """The task, with episodes that a person may end and an expert that may be a person."""
         task = self.task
         return replace(

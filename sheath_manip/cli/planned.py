@@ -16,7 +16,7 @@ from sheath_manip.cli.session import Tasks, Verb
 from sheath_manip.exceptions import ParameterError, SheathError, UnknownNameError
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 HELP = ("-h", "--help")
 
@@ -62,7 +62,7 @@ def verb_for(
     return wanted, wanted(**_required(wanted, lambda _: tyro.MISSING), **settings)
 
 
-def plan_named(task: TaskEntry, size: str) -> LearningPlan:
+def plan_named(task: Task, size: str) -> LearningPlan:
     """The task's plan of that name; raises UnknownNameError."""
     if size not in task.plans:
         raise UnknownNameError(f"plan of {task.name}", size, task.plans)

@@ -13,9 +13,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.text import Text
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
-Tasks = Callable[[], Mapping[str, TaskEntry]]
+Tasks = Callable[[], Mapping[str, Task]]
 """gives the table of tasks; called only by verbs that need it, since a task brings its simulator"""
 
 PIPED_COLUMNS = 160
@@ -33,7 +33,7 @@ class Session:
     err: Console = field(default_factory=lambda: Console(stderr=True))
     """for progress, so that results can be piped"""
 
-    def task(self, name: str) -> TaskEntry:
+    def task(self, name: str) -> Task:
         """The task; raises UnknownNameError."""
         tasks = self.tasks()
         if name not in tasks:

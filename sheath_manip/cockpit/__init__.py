@@ -1,7 +1,7 @@
 """The person at the controls, as the control loop sees it: orders, input, lease, gate and expert.
 
-Nothing here knows the page: whoever brings a person's orders and input (a websocket, a button, a
-test) hands them to the `Cockpit`, and the control loop reads them there at each step.
+Nothing here knows the page: what brings a person's orders and input (a websocket, a button, a test)
+hands them to the `Cockpit`, which follows them at once; the control loop looks there at each step.
 """
 
 from sheath_manip.cockpit.cockpit import Cockpit

@@ -6,7 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.cockpit import Cockpit, Ending
+from sheath_manip.cockpit.cockpit import Cockpit
+from sheath_manip.cockpit.standing import Ending
+from sheath_manip.cockpit.state import Turn
+from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.types import (
@@ -21,11 +24,16 @@ from sheath_manip.types import (
 
 
 class OperatedEnvironment:
-    """The environment that it is given, until the person says that the episode is over."""
+    """The environment that it is given, until the person says that the episode is over.
+
+    It stands still where the run is stopped or abandoned and the episode's gate does not see to
+    that: that of a policy on its own, or of a scripted expert, knows no person.
+    """
 
     def __init__(self, environment: Environment, cockpit: Cockpit) -> None:
         self.environment = environment
         self.cockpit = cockpit
+        self._observation: Observation | None = None
 
     @property
     def spec(self) -> TaskSpec:
@@ -35,17 +43,40 @@ class OperatedEnvironment:
     def reset(self, seed: int) -> Observation:
         """Start the episode that belongs to `seed`."""
         self.cockpit.begin_episode()
-        return self.environment.reset(seed)
+        self._observation = self.environment.reset(seed)
+        return self._observation
 
     def step(self, action: Action) -> Transition:
-        """Run one control step; raises DiscardedError where the person wants no more of it."""
-        if self.cockpit.ending is Ending.DISCARD:
+        """Run one control step, none where nothing may move and the episode is over.
+
+        Raises DiscardedError where the person wants no more of it, and UnattendedError where it may
+        not go on and nobody is left to say when.
+        """
+        if not self.cockpit.gated:
+            self._stand_still()
+        ending = self.cockpit.ending
+        if ending is Ending.DISCARD:
             raise DiscardedError("the person has discarded the episode")
-        transition = self.environment.step(action)
+        if self.cockpit.still:
+            assert self._observation is not None, "reset comes before step"
+            transition = Transition(self._observation, 0.0, terminated=False, truncated=True)
+        else:
+            transition = self.environment.step(action)
+        self._observation = transition.observation
         if self.cockpit.ending is None or transition.terminated:
             return transition
         marked = self.cockpit.mark is not None
         return replace(transition, terminated=marked, truncated=not marked)
+
+    def _stand_still(self) -> None:
+        cockpit, now = self.cockpit, self.cockpit.now()
+        while (now.halted or now.abandoned) and now.ending is None:
+            cockpit.give_turn(Turn.HOLD, not now.halted, float("inf"), still=True)
+            require_attended(now)
+            cockpit.rest()
+            now = cockpit.now()
+        blocked = now.halted or now.abandoned
+        cockpit.give_turn(Turn.HOLD if blocked else Turn.POLICY, still=blocked)
 
     def outcome(self) -> Outcome:
         """What the person said it is, else the task."""
@@ -61,7 +92,8 @@ class OperatedEnvironment:
 
     def restore(self, state: NDArray[np.float64]) -> Observation:
         """Continue from a `state()`."""
-        return self.environment.restore(state)
+        self._observation = self.environment.restore(state)
+        return self._observation
 
     def scene(self) -> Sequence[SceneGeom]:
         """The visible shapes."""

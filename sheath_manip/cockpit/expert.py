@@ -6,9 +6,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit.cockpit import Cockpit, Turn
+from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.given import Given
 from sheath_manip.cockpit.guide import Binding
+from sheath_manip.cockpit.state import Turn
 from sheath_manip.protocols import Expert, Follows, TakesOver
 from sheath_manip.types import Action, Observation
 
@@ -41,7 +42,7 @@ class Hands(Protocol):
 
 
 class OperatedExpert:
-    """Acts as whoever the gate gave the turn to: the person, or who stands in for it."""
+    """Acts as the gate gave the turn: as the person, or as who stands in for it."""
 
     def __init__(self, cockpit: Cockpit, hands: Hands, stand_ins: Mapping[Turn, Expert]) -> None:
         """Store who acts in each turn but the person's.
@@ -69,7 +70,7 @@ class OperatedExpert:
         self.cockpit.tool_pose = self.hands.tool_pose()
 
     def take_over(self, observation: Observation) -> None:  # noqa: ARG002
-        """Whoever acts next begins its turn."""
+        """Who acts next begins its turn."""
         self._turn = None
 
     def act(self, observation: Observation) -> Action:

@@ -1,10 +1,14 @@
 """A gate around another one: a person may take over, and is asked where the other one wants it."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
-from sheath_manip.cockpit.cockpit import Cockpit, Now, Turn
+from sheath_manip.cockpit.cockpit import Cockpit
+from sheath_manip.cockpit.standing import Now
+from sheath_manip.cockpit.state import Turn
+from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Gate
 from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
@@ -18,11 +22,13 @@ class PersonGate:
 
     Robot-gated (SHEATH, LazyDAgger): outside the support the robot holds and asks; nobody there in
     time, the fallback acts until the gate hands back. Human-gated (HG-DAgger): who has taken over
-    drives until it hands back. A person who is gone, or lets go of the dead-man, leaves the robot
-    holding. The emergency stop is above all of it.
+    drives until it hands back. Who lets go of the dead-man leaves the robot holding. Who is lost
+    without handing back does so too, until somebody takes over or orders the hand-back, in the next
+    episode as well: no fallback acts of itself then. The emergency stop is above all of it.
 
     What is done while nobody drives is no label. A simulation that cannot hold (a car at constant
-    speed) stands still instead: `decide` returns when it may go on.
+    speed) stands still instead: `decide` returns when it may go on, and raises UnattendedError
+    where the page is gone from which somebody could say so.
     """
 
     def __init__(
@@ -61,16 +67,20 @@ class PersonGate:
     def reset(self, rng: np.random.Generator) -> None:
         """A new episode; who drives drives on."""
         self.gate.reset(rng)
+        self.cockpit.gated = True
         self._waited_s = 0.0
 
     def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
         """Ask the gate and the cockpit; blocks only while a simulation cannot hold."""
         wanted = self.gate.decide(observation, proposed)
-        turn, reason = self._turn(wanted, self.cockpit.now())
-        while turn is Turn.HOLD and self._stands_still():
+        now = self.cockpit.now()
+        turn, reason = self._turn(wanted, now)
+        while turn is Turn.HOLD and not self.can_hold and now.ending is None:
+            require_attended(now)
             rested_s = self.cockpit.rest()
             self._waited_s += rested_s * (reason is Reason.WAITING)
-            turn, reason = self._turn(wanted, self.cockpit.now())
+            now = self.cockpit.now()
+            turn, reason = self._turn(wanted, now)
         self._waited_s += self._period_s * (reason is Reason.WAITING)
         if turn is Turn.POLICY:
             # Nobody can be asked for a label without driving.
@@ -80,25 +90,27 @@ class PersonGate:
 
     def _turn(self, wanted: GateDecision, now: Now) -> tuple[Turn, Reason]:
         turn, reason = self._whose(wanted, now)
-        if reason not in (Reason.WAITING, Reason.NO_ANSWER, Reason.EMERGENCY_STOP):
+        if now.must_hold or reason not in (Reason.WAITING, Reason.NO_ANSWER):
             self._waited_s = 0.0
         asking = reason in (Reason.WAITING, Reason.NO_ANSWER)
-        self.cockpit.give_turn(turn, asking, max(0.0, self.wait_s - self._waited_s))
+        left_s = math.inf if now.must_hold else max(0.0, self.wait_s - self._waited_s)
+        still = turn is Turn.HOLD and not self.can_hold
+        self.cockpit.give_turn(turn, asking, left_s, still)
         return turn, reason
 
     def _whose(self, wanted: GateDecision, now: Now) -> tuple[Turn, Reason]:
-        if now.stopped:
-            return Turn.HOLD, Reason.EMERGENCY_STOP
-        if now.taken and now.given is not None:
+        if now.must_hold:
+            return Turn.HOLD, Reason.EMERGENCY_STOP if now.halted else Reason.WAITING
+        if now.given is not None:
             if now.given.held or not self.dead_man:
                 return Turn.PERSON, Reason.PERSON
             return Turn.HOLD, Reason.IDLE
-        if wanted.actor is Actor.POLICY and not (now.taken or now.abandoned):
+        if wanted.actor is Actor.POLICY:
             return Turn.POLICY, wanted.reason
-        if self._waited_s < self.wait_s:
+        if self._waited_s < self.wait_s and not self._in_vain(now):
             return Turn.HOLD, Reason.WAITING
         return Turn.FALLBACK, Reason.NO_ANSWER
 
-    def _stands_still(self) -> bool:
-        cockpit = self.cockpit
-        return not (self.can_hold or cockpit.closed or cockpit.ending is not None)
+    def _in_vain(self, now: Now) -> bool:
+        """Whether to wait is pointless: nobody can come, and no time passes meanwhile."""
+        return now.closed and not self.can_hold and math.isfinite(self.wait_s)

@@ -1,7 +1,12 @@
-"""One operator at a time: the right to drive, kept by a heartbeat."""
+"""One operator at a time: the right to drive, kept by a heartbeat, and what its holder holds."""
 
-import threading
-from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.cockpit.given import EMPTY, Given
 
 LOST_AFTER_S = 0.4
 """without a heartbeat the operator's input counts as empty; with a control period of .1 s on top
@@ -10,54 +15,42 @@ FREE_AFTER_S = 3.0
 """without a heartbeat another one may take over: a page that reloads gets its own turn back"""
 
 
+@dataclass(frozen=True, eq=False)
 class Lease:
-    """Who drives. Its methods may be called from any thread."""
+    """Who drives, and what was last heard of that one.
 
-    def __init__(self, clock: Callable[[], float]) -> None:
-        """`clock` gives seconds that never go back."""
-        self._clock = clock
-        self._lock = threading.Lock()
-        self._holder: str | None = None
-        self._beat_s = 0.0
+    Both are one value, so that what one person held is never the next one's.
+    """
 
-    @property
-    def holder(self) -> str | None:
-        """The station that drives, None where nobody does."""
-        with self._lock:
-            return self._current()
+    holder: str | None = None
+    """the station that drives, None where nobody does"""
+    beat_s: float = 0.0
+    """when it was last heard of, by the cockpit's clock"""
+    given: Given | None = None
+    """what its devices said then; None after a silence that it must break"""
+    goal: NDArray[np.float64] | None = None
+    """(7,) where it drags the gizmo to, None while it does not"""
 
-    @property
-    def alive(self) -> bool:
+    @classmethod
+    def begun(cls, station: str, now_s: float) -> Self:
+        """`station` has it from now on, and holds nothing yet."""
+        return cls(station, now_s, EMPTY)
+
+    def heard(self, given: Given, at_s: float) -> Self:
+        """A sign of life, of `at_s`."""
+        return replace(self, given=given, beat_s=at_s)
+
+    def silenced(self) -> Self:
+        """Hold nothing until it is heard again; the right to drive goes on for a while."""
+        return replace(self, given=None, goal=None)
+
+    def alive(self, now_s: float) -> bool:
         """Whether somebody drives and was heard of a moment ago."""
-        with self._lock:
-            return self._current() is not None and self._silence_s() <= LOST_AFTER_S
+        return self.given is not None and now_s - self.beat_s <= LOST_AFTER_S
 
-    def take(self, station: str) -> bool:
-        """Give it to `station` where nobody else has it; whether it has it now."""
-        with self._lock:
-            if self._current() not in (None, station):
-                return False
-            self._holder, self._beat_s = station, self._clock()
-            return True
+    def expired(self, now_s: float) -> bool:
+        """Whether its holder was not heard of for so long that it is lost."""
+        return self.holder is not None and now_s - self.beat_s > FREE_AFTER_S
 
-    def beat(self, station: str) -> bool:
-        """A sign of life; whether `station` has the lease."""
-        with self._lock:
-            if self._current() != station:
-                return False
-            self._beat_s = self._clock()
-            return True
 
-    def release(self, station: str) -> None:
-        """Give it up, where `station` has it."""
-        with self._lock:
-            if self._holder == station:
-                self._holder = None
-
-    def _current(self) -> str | None:
-        if self._holder is not None and self._silence_s() > FREE_AFTER_S:
-            self._holder = None
-        return self._holder
-
-    def _silence_s(self) -> float:
-        return self._clock() - self._beat_s
+NOBODY = Lease()

@@ -1,6 +1,7 @@
 """A listener that lets an episode begin only when a person has taken over."""
 
-from sheath_manip.cockpit.cockpit import Cockpit, Turn
+from sheath_manip.cockpit.cockpit import Cockpit
+from sheath_manip.cockpit.state import Turn
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples

@@ -92,9 +92,11 @@ class Dashboard:
         self._drawer.wake()
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
-        """Show the new episode's scene."""
+        """Show the new episode's scene; blocks while the person holds the run paused."""
         self._film = Film(info, tuple(environment.scene()), environment.pose())
         self._playhead.load(self._film)
+        # Else a run that was paused, or stopped and reset, between two episodes would begin.
+        self.cockpit.wait()
 
     def on_step(self, environment: Environment, step: Step) -> None:
         """Take note of the step; blocks while the person holds the run paused."""

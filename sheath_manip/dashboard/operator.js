@@ -2,9 +2,9 @@ function (settings) {
   // Sent to each page by the server. Runs again where viser's own connection was lost and is back.
   window.sheathOperator?.close();
 
-  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500;
+  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000;
   const codes = new Set(settings.codes), held = new Set(), caught = new Set();
-  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, beeps = 0, audio = null;
+  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null;
 
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
@@ -18,7 +18,8 @@ function (settings) {
   const send = (message) => {
     if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
   };
-  const order = (name) => send({ order: name });
+  // With the number of the newest stop that was shown: a reset clears no other one.
+  const order = (name) => send({ order: name, ...(state.stops != null && { seen: state.stops }) });
 
   function connect() {
     if (closed) return;
@@ -38,13 +39,19 @@ function (settings) {
   }
 
   // What is held is sent on change and again and again: the server takes silence for letting go.
+  // The clock goes along, so that what was long under way counts as silence, too.
   function look() {
+    const slept = Date.now() - lookedMs > sleptMs;
+    lookedMs = Date.now();
+    // The clock that is sent may have stood still meanwhile, and a new connection compares it anew;
+    // the right to drive is lost by then in any case.
+    if (slept) { held.clear(); socket?.close(); return; }
     if (!state.operated) return;
-    const now = JSON.stringify({ keys: [...held].sort(), pad: pad() });
-    if (now === lastSent && performance.now() - sentMs < sendEveryMs) return;
-    lastSent = now;
+    const now = { keys: [...held].sort(), pad: pad() }, said = JSON.stringify(now);
+    if (said === lastSent && performance.now() - sentMs < sendEveryMs) return;
+    lastSent = said;
     sentMs = performance.now();
-    if (socket?.readyState === WebSocket.OPEN) socket.send(now);
+    send({ ...now, clock: sentMs });
   }
 
   const typing = (target) =>
@@ -83,15 +90,18 @@ function (settings) {
     };
     const wait = state.left_s == null ? "" : ` The ${state.stand_in} acts in ${state.left_s} s.`;
     const alone = state.asking && !state.mine && !state.others;
+    const paused = state.paused ? " Paused: P resumes." : "";
     if (state.stopped) say("EMERGENCY STOP. R resets it.", "#be1e2d");
+    else if (state.abandoned)
+      say(`The robot holds, since nobody drives any longer. T takes over, H lets the policy go on.${paused}`, "#d55e00");
     else if (alone && state.turn === "fallback")
-      say(`Nobody came, so the ${state.stand_in} acts. Take over with T.`, "#d55e00");
-    else if (alone) say(`The robot holds and asks for you: take over with T.${wait}`, "#d55e00");
-    else if (state.others) say("Another page drives; you watch. Space stops the robot.", "#6e747c");
+      say(`Nobody came, so the ${state.stand_in} acts. Take over with T.${paused}`, "#d55e00");
+    else if (alone) say(`The robot holds and asks for you: take over with T.${wait}${paused}`, "#d55e00");
+    else if (state.others) say(`Another page drives; you watch. Space stops the robot.${paused}`, "#6e747c");
     else if (state.mine && state.turn !== "person")
-      say("You have taken over; the robot holds until you move it. H hands back.", "#008764");
-    else if (state.mine) say("You drive. H hands back, Space stops.", "#008764");
-    else say("", "");
+      say(`You have taken over; the robot holds until you move it. H hands back.${paused}`, "#008764");
+    else if (state.mine) say(`You drive. H hands back, Space stops.${paused}`, "#008764");
+    else say(paused.trim(), "#6e747c");
   }
 
   function beep() {

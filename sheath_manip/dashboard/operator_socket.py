@@ -8,27 +8,25 @@ import asyncio
 import json
 import math
 import secrets
+import time
 from contextlib import suppress
 from dataclasses import asdict
 from itertools import count
 from pathlib import Path
-from typing import Annotated
 
-import msgspec
-from msgspec import Meta
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
+from websockets.protocol import State
 
-from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order
-from sheath_manip.cockpit.given import MOST_KEYS
+from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.orders import OF_ANY_RUN
+from sheath_manip.dashboard.message_age import Budget, MessageAge
+from sheath_manip.dashboard.operator_message import OperatorMessage, decoded
 
 PATH = "/keys"
 SHOWN_EVERY_S = 0.1
-LEAST_GAP_S = 0.002
-"""between two messages of a station: whoever floods is slowed down, and nobody else"""
-LONGEST_MESSAGE = 2048
-"""bytes; a page's own have a tenth of it"""
+_YIELD_EVERY = 16
+"""messages that have come at once, before the other connections of the page have their turn"""
 SCRIPT = Path(__file__).with_name("operator.js")
 HOTKEYS = {
     "Space": Order.STOP,
@@ -43,29 +41,6 @@ HOTKEYS = {
     "KeyZ": Order.DISCARD,
 }
 """by `KeyboardEvent.code`; none of them flies viser's camera (W A S D Q E, arrows)"""
-
-_Code = Annotated[str, Meta(max_length=20)]
-_Share = Annotated[float, Meta(ge=-1.0, le=1.0)]
-
-
-class _Pad(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    axes: tuple[_Share, _Share, _Share, _Share]
-    buttons: Annotated[list[Annotated[int, Meta(ge=0, le=31)]], Meta(max_length=32)]
-
-
-class _Said(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """One message of a station."""
-
-    station: Annotated[str, Meta(max_length=40)] | None = None
-    """which page it belongs to, first of all"""
-    keys: Annotated[list[_Code], Meta(max_length=MOST_KEYS)] | None = None
-    """the held ones; with it comes the gamepad, and a heartbeat"""
-    pad: _Pad | None = None
-    order: Order | None = None
-    value: float = 1.0
-
-
-_decode = msgspec.json.Decoder(_Said).decode
 
 
 class OperatorSocket:
@@ -95,45 +70,47 @@ class OperatorSocket:
         self.cockpit.leave(station)
 
     async def serve(self, connection: ServerConnection) -> None:
-        """Serve one station until it goes; what it says that is no message is not heard."""
+        """Serve one station until it goes; what it says that is no message is not heard.
+
+        Messages are taken as fast as they come, so that none waits behind others: an order acts at
+        once, and of what is held only the newest message counts.
+        """
         own = station = f"socket {next(self._numbers)}"
         shower = asyncio.create_task(self._show(connection, lambda: station))
+        age, budget = MessageAge(), Budget()
         try:
-            while True:
-                raw = await connection.recv()
-                said = self._heard(raw)
+            for number in count(1):
+                said = decoded(await connection.recv())
+                arrived_s = time.monotonic()
+                # What is still to be read of a station that has gone is no sign of life.
+                heard = connection.state is State.OPEN and not budget.exceeded(arrived_s)
                 if said is not None:
                     if said.station is not None:
                         station = self._pages.get(said.station, own)
+                    age_s = age.of(said.clock, arrived_s)
+                    if heard:
+                        self._take(station, said, age_s)
                     self._follow(station, said)
-                await asyncio.sleep(LEAST_GAP_S)
+                if not heard:
+                    self.cockpit.silence(station)
+                if number % _YIELD_EVERY == 0:
+                    await asyncio.sleep(0)
         except ConnectionClosed:
             pass
         finally:
             shower.cancel()
-            # The page itself may live on, and its script connects again.
-            if station == own:
-                self.cockpit.leave(own)
+            self.cockpit.leave(own)
+            # A page may live on without its socket, and its script connects again.
+            self.cockpit.silence(station)
 
-    def _heard(self, raw: str | bytes) -> _Said | None:
-        if not isinstance(raw, str) or len(raw) > LONGEST_MESSAGE:
-            return None
-        try:
-            return _decode(raw)
-        except (msgspec.DecodeError, UnicodeEncodeError, RecursionError):
-            return None
+    def _take(self, station: str, said: OperatorMessage, age_s: float) -> None:
+        given = said.given(self._codes)
+        if given is not None:
+            self.cockpit.give(station, given, age_s)
 
-    def _follow(self, station: str, said: _Said) -> None:
-        if said.keys is not None:
-            keys = self._codes.intersection(said.keys)
-            pad = said.pad
-            given = Given(
-                frozenset(keys),
-                None if pad is None else Gamepad(pad.axes, frozenset(pad.buttons)),
-            )
-            self.cockpit.give(station, given)
+    def _follow(self, station: str, said: OperatorMessage) -> None:
         if said.order is not None and math.isfinite(said.value):
-            self.cockpit.order(self._meant(said.order), station, said.value)
+            self.cockpit.order(self._meant(said.order), station, said.value, said.seen)
 
     def _meant(self, order: Order) -> Order:
         """One key pauses and resumes."""

@@ -6,8 +6,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from sheath_manip.playback.trace import Trace
+from sheath_manip.playback.trace import ACTORS, Trace
 from sheath_manip.types import EpisodeInfo, Outcome
+
+IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]
 
 
 @dataclass(frozen=True)
@@ -17,7 +19,7 @@ class Share:
     steps: int = 0
     expert_steps: int = 0
     interventions: int = 0
-    """runs of consecutive expert steps while a policy is present"""
+    """runs of steps in which somebody else than the policy acts, though there is one"""
     switches: int = 0
     """changes of who acts"""
     queries: int = 0
@@ -30,9 +32,9 @@ class Share:
         """The counts of one episode."""
         return cls(
             len(trace),
-            int(trace.by_expert.sum()),
+            int(np.isin(trace.actor, IN_PLACE_OF_POLICY).sum()),
             len(trace.turns),
-            int(np.count_nonzero(np.diff(trace.by_expert))),
+            int(np.count_nonzero(np.diff(trace.by_policy))),
             int(trace.query.sum()),
             int(trace.limited.sum()),
         )

@@ -20,7 +20,7 @@ _MEANINGS = {
     "executed": "what was commanded, after the command filter where there is one",
     "has_proposed": "the policy proposed an action",
     "has_labelled": "the expert was asked",
-    "intervention": "the expert acts in an episode that a policy was to drive",
+    "intervention": "somebody else than the policy acts, though there was one",
     "query": "the gate asked for a label",
     "actor": "who acts: place in the attribute `actors`",
     "reason": "why: place in the attribute `reasons`",

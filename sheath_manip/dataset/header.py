@@ -91,7 +91,7 @@ def header_of(episode: Episode) -> Header:
         truncated=bool(episode.truncated),
         outcome=Outcome(episode.outcome),
         metrics={name: float(value) for name, value in episode.metrics.items()},
-        expert_steps=sum(step.decision.actor is Actor.EXPERT for step in episode.steps),
+        expert_steps=sum(step.decision.actor.in_place_of_policy for step in episode.steps),
         queries=sum(bool(step.decision.query) for step in episode.steps),
         actors=tuple(Actor),
         reasons=tuple(Reason),

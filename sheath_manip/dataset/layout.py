@@ -10,7 +10,7 @@
 | `labelled` | (T, a) float32 | by who acts as the expert; NaN where `has_labelled` is false |
 | `executed` | (T, a) float32 | what was commanded, after the command filter where there is one |
 | `actor`, `reason` | (T,) uint8 | place in the attributes `actors`, `reasons` |
-| `intervention` | (T,) bool | the expert acts in an episode that a policy was to drive |
+| `intervention` | (T,) bool | somebody else than the policy acts, though there was one |
 | `query` | (T,) bool | the gate asked for a label; only there `labelled` is one to learn from |
 | `score`, `threshold` | (T,) float64 | of the support; NaN where the gate has none |
 | `reward` | (T,) float64 | of the executed action |

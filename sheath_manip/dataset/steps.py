@@ -14,12 +14,12 @@ from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
     Action,
-    Actor,
     Episode,
     GateDecision,
     Limited,
     Observation,
     Step,
+    intervened,
 )
 
 
@@ -42,10 +42,6 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
     observations = [step.observation for step in steps]
     decisions = [step.decision for step in steps]
     final = episode.final_observation
-    policy_was_to_drive = bool(episode.info.checkpoint) or any(
-        step.proposed is not None for step in steps
-    )
-    by_expert = np.array([decision.actor is Actor.EXPERT for decision in decisions])
     try:
         arrays: Arrays = {
             **{
@@ -61,7 +57,7 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
             "executed": _stacked([step.executed for step in steps]),
             "actor": np.array([header.actors.index(d.actor) for d in decisions], np.uint8),
             "reason": np.array([header.reasons.index(d.reason) for d in decisions], np.uint8),
-            "intervention": by_expert & policy_was_to_drive,
+            "intervention": np.array([intervened(episode.info, step) for step in steps]),
             "query": np.array([bool(decision.query) for decision in decisions]),
             "score": np.array([decision.score for decision in decisions], np.float64),
             "threshold": np.array([decision.threshold for decision in decisions], np.float64),
@@ -180,8 +176,8 @@ def content_faults(header: Header, arrays: Arrays) -> list[Fault]:
 
 
 def by_expert(header: Header, arrays: Arrays) -> NDArray[np.bool_]:
-    """(T,) in which steps the expert acted."""
-    return np.array([actor is Actor.EXPERT for actor in header.actors])[arrays["actor"]]
+    """(T,) in which steps somebody drove in the policy's place: expert, operator or fallback."""
+    return np.array([actor.in_place_of_policy for actor in header.actors])[arrays["actor"]]
 
 
 def not_finite(arrays: Arrays) -> list[str]:

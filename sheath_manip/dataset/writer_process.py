@@ -15,10 +15,10 @@ from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SheathError, StoreError
 
-_ROOT = Path(__file__).parents[2]
-_CODE = f"""
+# What it imports is what this process imports, in a checkout as from a wheel.
+_CODE = """
 import sys
-sys.path.insert(0, {str(_ROOT)!r})
+sys.path[:] = sys.argv[2:]
 from sheath_manip.dataset.writer_process import serve
 serve(sys.argv[1], sys.stdin.buffer, sys.stdout.buffer)
 """
@@ -36,7 +36,7 @@ class WriterProcess:
         try:
             self._process = subprocess.Popen(
                 # The path may be relative, and this process may go elsewhere.
-                [sys.executable, "-P", "-c", _CODE, str(path.absolute())],
+                [sys.executable, "-P", "-c", _CODE, str(path.absolute()), *_search_path()],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 # Ctrl-C is for this process, which lets the writer finish.
@@ -88,6 +88,11 @@ def serve(path: str, requests: IO[bytes], answers: IO[bytes]) -> None:
             except SheathError as error:
                 told = str(error)
             _send(told, answers)
+
+
+def _search_path() -> list[str]:
+    # An empty entry is the working directory.
+    return [entry or str(Path.cwd()) for entry in sys.path]
 
 
 def _send(message: object, to: IO[bytes]) -> None:

@@ -26,7 +26,7 @@ from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.executors import run_jobs
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Purpose
 
 PREPARE = ""
@@ -37,7 +37,7 @@ PREPARE = ""
 class Job:
     """One method from one training seed, in a process of its own."""
 
-    task: TaskEntry
+    task: Task
     plan: LearningPlan
     runs: Path
     seed: int
@@ -57,7 +57,7 @@ class Job:
 
 
 def run_experiment(
-    task: TaskEntry,
+    task: Task,
     plan: LearningPlan,
     *,
     runs: Path,
@@ -122,7 +122,7 @@ def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
 
 
 def _summary(
-    task: TaskEntry, plan: LearningPlan, runs: Path, command: str, wall_s: float
+    task: Task, plan: LearningPlan, runs: Path, command: str, wall_s: float
 ) -> dict[str, Any]:
     comparison = plan.comparison
     results = {
@@ -152,7 +152,7 @@ def _summary(
 
 
 def _figures(
-    task: TaskEntry,
+    task: Task,
     plan: LearningPlan,
     runs: Path,
     results: Path,

@@ -15,7 +15,7 @@ from sheath_manip.learning.evaluation import evaluate_expert
 from sheath_manip.metrics import figures_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Purpose
 
 
@@ -23,7 +23,7 @@ from sheath_manip.types import Purpose
 class Reference:
     """The job of one of them; resumable."""
 
-    task: TaskEntry
+    task: Task
     plan: LearningPlan
     runs: Path
     name: str
@@ -47,12 +47,12 @@ class Reference:
         write_json(path, plain(asdict(figures_of(records))))
 
 
-def reference_jobs(task: TaskEntry, plan: LearningPlan, runs: Path) -> list[Reference]:
+def reference_jobs(task: Task, plan: LearningPlan, runs: Path) -> list[Reference]:
     """One for each of the task's."""
     return [Reference(task, plan, runs, name) for name in task.references]
 
 
-def references(task: TaskEntry, runs: Path) -> Mapping[str, Any]:
+def references(task: Task, runs: Path) -> Mapping[str, Any]:
     """Figures by name, as far as they are there."""
     paths = {name: _path(runs, name) for name in task.references}
     return {name: json.loads(path.read_text()) for name, path in paths.items() if path.exists()}

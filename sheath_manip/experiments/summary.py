@@ -4,6 +4,7 @@ import dataclasses
 import math
 import subprocess
 from collections.abc import Mapping, Sequence
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,10 @@ from sheath_manip.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, mean_interval
+from sheath_manip.threads import THREADS
 
-ROOT = Path(__file__).resolve().parents[2]
+CHECKOUT = Path(__file__).resolve().parents[2]
+"""the folder that holds the package: a git checkout, or site-packages, which is none"""
 MANY_RUNS = 10
 """training runs from which on a metric's interval is over their means: the episodes of a run
 resemble each other, but of a few runs an interval says nothing"""
@@ -52,7 +55,7 @@ def summarise(
         {
             "experiment": task_name,
             "command": command,
-            "git": git_revision(),
+            **program(),
             "seeds": plan.comparison.seeds,
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
@@ -64,7 +67,20 @@ def summarise(
     )
 
 
-def git_revision(root: Path = ROOT) -> str | None:
+def program() -> dict[str, Any]:
+    """What must be equal for the same command to give the same result to the bit.
+
+    `git` is None where an installed wheel ran, `version` where nothing is installed; `threads` are
+    those of torch and BLAS.
+    """
+    try:
+        version = metadata.version("sheath-manip")
+    except metadata.PackageNotFoundError:
+        version = None
+    return {"git": git_revision(), "version": version, "threads": THREADS}
+
+
+def git_revision(root: Path = CHECKOUT) -> str | None:
     """The short hash of the commit that ran, with "-dirty" where files differ; None without git."""
     if not (root / ".git").exists():
         return None

@@ -4,7 +4,6 @@ from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
 from sheath_manip.gates.human import HumanGate, ScriptedPerson, attentive_person
 from sheath_manip.gates.mixture import Mixture
 from sheath_manip.gates.query import QueryFilter
-from sheath_manip.gates.redrawing import redrawing
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.gates.takeover import RandomTakeover
 
@@ -18,5 +17,4 @@ __all__ = [
     "ScriptedPerson",
     "SupportGate",
     "attentive_person",
-    "redrawing",
 ]

@@ -1,20 +1,20 @@
 """A support gate whose boundary a person moves while the robot runs."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.types import Action, GateDecision, Observation
+from sheath_manip.protocols import Judge
+from sheath_manip.types import GateDecision, Observation, Proposal
 
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
     """What a support gate goes by, as one value: a step never sees half of a new one."""
 
-    score: Callable[[Observation], float | None]
+    judge: Judge
     threshold: float
     lowest: float
     """the threshold that a person may set, at least"""
@@ -46,16 +46,14 @@ class Adjustable:
         """Forget the last episode."""
         self.gate.reset(rng)
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """As the gate decides."""
         boundary = self.dial.boundary
-        self.gate.score, self.gate.threshold = boundary.score, boundary.threshold
-        return self.gate.decide(observation, proposed)
+        self.gate.judge, self.gate.threshold = boundary.judge, boundary.threshold
+        return self.gate.decide(observation, proposal)
 
 
-def around(
-    score: Callable[[Observation], float | None], threshold: float, scores: np.ndarray
-) -> Boundary:
+def around(judge: Judge, threshold: float, scores: np.ndarray) -> Boundary:
     """A boundary that may be moved over all `scores` (n,) of states, and to where each is outside.
 
     Without any it may be moved by as much as it is away from 0, at least 1.
@@ -68,4 +66,4 @@ def around(
     else:
         reach = max(1.0, abs(threshold))
         low, high = threshold - reach, threshold + reach
-    return Boundary(score, threshold, low, high)
+    return Boundary(judge, threshold, low, high)

@@ -11,12 +11,26 @@ from sheath_manip.support import support_hyperparameters
 from sheath_manip.support.config import SupportConfig, ThresholdConfig
 
 LABELS = ("all", "own")
+USED = (
+    "kind",
+    "expert_share",
+    "release_margin",
+    "quiet_steps",
+    "minimum_hold_steps",
+    "labels",
+)
+"""settings that no fit and no calibration looks at"""
 
 
 @dataclass(frozen=True)
 class GateConfig:
     """What the gate looks at, where it draws the line, and how a takeover ends."""
 
+    kind: str = "support"
+    """who decides: support (SHEATH), query-filter (SHIV), expert, mixture (at random, DAgger's and
+    SMILe's), random-takeover or human; only the first two judge by a signal"""
+    expert_share: float = 0.0
+    """0 .. 1, of the steps, for a mixture or a random takeover"""
     signal: str = "joined"
     """what the gate looks at, as `sheath tasks` lists it: the support, the precedent of the
     proposed action, or both joined; for continuous actions the precedent is a near one"""
@@ -39,6 +53,8 @@ class GateConfig:
     """all (the expert labels every state) or own (only those in which it acts)"""
 
     def __post_init__(self) -> None:
+        if not 0 <= self.expert_share <= 1:
+            raise ParameterError(f"expert_share is {self.expert_share}; wanted 0 .. 1")
         if not 0 <= self.release_rate < 1:
             raise ParameterError(f"release_rate is {self.release_rate}; wanted 0 to below 1")
         for name in ("release_margin", "quiet_steps", "minimum_hold_steps"):
@@ -46,6 +62,11 @@ class GateConfig:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 0")
         if self.labels not in LABELS:
             raise ParameterError(f"labels is {self.labels!r}; wanted {' or '.join(LABELS)}")
+
+    def fitted_like(self, other: Self) -> bool:
+        """Tell whether what one was fitted to serves the other: they differ in use alone."""
+        used = {name: getattr(other, name) for name in USED}
+        return dataclasses.replace(self, **used) == other
 
     def described(self) -> dict[str, Any]:
         """Return plain values, nested, that JSON keeps; `from_described` takes them back."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 
 class AlwaysExpert:
@@ -11,9 +11,9 @@ class AlwaysExpert:
     def reset(self, rng: np.random.Generator) -> None:
         """Nothing to forget."""
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Always the expert, always labelled."""
-        del observation, proposed
+        del observation, proposal
         return GateDecision(Actor.EXPERT, True, Reason.FIXED)
 
 
@@ -27,9 +27,9 @@ class AlwaysPolicy:
     def reset(self, rng: np.random.Generator) -> None:
         """Nothing to forget."""
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """Always the policy; the expert only where `proposed` is None."""
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """Always the policy; the expert only where there is no proposal."""
         del observation
-        if proposed is None:
+        if proposal is None:
             return GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
         return GateDecision(Actor.POLICY, self.query, Reason.FIXED)

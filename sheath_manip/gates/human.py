@@ -1,4 +1,4 @@
-"""HG-DAgger's gate: whoever the person says, and the person's steps are what is learned from.
+"""HG-DAgger's gate: the human decides when to take over; only human steps are labelled.
 
 Kelly et al. 2019, 'HG-DAgger: Interactive imitation learning with human experts' (ICRA).
 """
@@ -10,7 +10,15 @@ from numpy.typing import ArrayLike
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Expert
-from sheath_manip.types import Action, ActionSpec, Actor, GateDecision, Observation, Reason
+from sheath_manip.types import (
+    Action,
+    ActionSpec,
+    Actor,
+    GateDecision,
+    Observation,
+    Proposal,
+    Reason,
+)
 
 
 class Person(Protocol):
@@ -36,11 +44,11 @@ class HumanGate:
         del rng
         self.person.reset()
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """Ask the person; the expert without asking where `proposed` is None."""
-        if proposed is None:
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """Ask the person; the expert without asking where there is no proposal."""
+        if proposal is None:
             return GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
-        wants = bool(self.person.wants(observation, proposed))
+        wants = bool(self.person.wants(observation, proposal.now[0]))
         return GateDecision(Actor.EXPERT if wants else Actor.POLICY, wants, Reason.PERSON)
 
 

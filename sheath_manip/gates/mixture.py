@@ -7,7 +7,7 @@ no-regret online learning', Algorithm 3.1: pi_i = beta_i * expert + (1 - beta_i)
 import numpy as np
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 
 class Mixture:
@@ -24,11 +24,11 @@ class Mixture:
         """Draw from `rng` from now on."""
         self._rng = rng
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """One draw a step; the expert in any case where `proposed` is None."""
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """One draw a step; the expert in any case where there is no proposal."""
         del observation
         # Drawn first, so that an invalid proposal does not shift the draws that follow.
         drawn = self._rng.random() < self.beta
-        if proposed is None:
+        if proposal is None:
             return GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
         return GateDecision(Actor.EXPERT if drawn else Actor.POLICY, True, Reason.DRAWN)

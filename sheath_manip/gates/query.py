@@ -3,33 +3,32 @@
 Laskey et al. 2016, 'SHIV: Reducing supervisor burden in DAgger using support vectors' (ICRA).
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.protocols import Judge
+from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 
 class QueryFilter:
     """The policy acts; the expert is asked for a label where SHEATH would let it take over."""
 
-    def __init__(self, score: Callable[[Observation], float | None], threshold: float) -> None:
-        """Store the support score and the threshold below which a state is outside.
+    def __init__(self, judge: Judge, threshold: float) -> None:
+        """Store who judges and the threshold below which a state is outside.
 
         A missing score is outside. ParameterError for a threshold that is not finite.
         """
-        self.score = score
+        self.judge = judge
         self.threshold = threshold
-        self._support = SupportGate(score, threshold)
+        self._support = SupportGate(judge, threshold)
 
     def reset(self, rng: np.random.Generator) -> None:
         """Nothing to forget."""
         self._support.reset(rng)
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """The policy, labelled outside the support; the expert only where `proposed` is None."""
-        decision = self._support.decide(observation, proposed)
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """The policy, labelled outside the support; the expert only where there is no proposal."""
+        decision = self._support.decide(observation, proposal)
         outside = decision.actor is Actor.EXPERT
         acts = Actor.EXPERT if decision.reason is Reason.INVALID_PROPOSAL else Actor.POLICY
         return GateDecision(acts, outside, decision.reason, decision.score, decision.threshold)

@@ -9,7 +9,7 @@ import numpy as np
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.mixture import Mixture
-from sheath_manip.types import Action, Actor, GateDecision, Observation
+from sheath_manip.types import Actor, GateDecision, Observation, Proposal
 
 
 class RandomTakeover:
@@ -30,8 +30,8 @@ class RandomTakeover:
         """Draw from `rng` from now on."""
         self._mixture.reset(rng)
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        """One draw a step; the expert in any case where `proposed` is None."""
-        decision = self._mixture.decide(observation, proposed)
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        """One draw a step; the expert in any case where there is no proposal."""
+        decision = self._mixture.decide(observation, proposal)
         query = self.query or decision.actor is Actor.EXPERT
         return replace(decision, query=query)

@@ -1,4 +1,4 @@
-"""Policy, signal and threshold of one round, in one file.
+"""Policy and gate of one round, in one file.
 
 A support fitted on last round's embedding is meaningless, so they are saved and loaded together.
 The file is an .npz of plain arrays with a JSON header: no code is ever loaded from it.
@@ -19,16 +19,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownNameError
+from sheath_manip.gates.config import GateConfig, planned_signal
+from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.human import Person
+from sheath_manip.gates.making import make_gate
+from sheath_manip.learning.older_checkpoints import header_of_schema_2
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import Arrays, Policy, Signal
-from sheath_manip.signals import SignalChoice, make_signal
-from sheath_manip.signals.joined import JoinedSignal
-from sheath_manip.signals.support import SupportSignal
-from sheath_manip.types import Observation, Reason, TaskSpec
-from sheath_manip.types.samples import Samples
+from sheath_manip.protocols import Arrays, Gate, TrainablePolicy
+from sheath_manip.signals import make_signal
+from sheath_manip.types import TaskSpec
 
 FORMAT = "sheath-checkpoint"
-SCHEMA = 2
+SCHEMA = 3
 PARTS = ("policy", "signal")
 # The earliest date that a zip file can hold: equal content then gives equal bytes.
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -43,59 +45,54 @@ class Checkpoint:
     task: str
     """name of the task it was trained on"""
     policy_name: str
-    policy: Policy
-    signal_choice: SignalChoice
-    signal: Signal
-    threshold: float
-    """the score below which the expert takes over"""
-    false_alarm_rate: float
-    """that the threshold was calibrated to, in 0..1"""
-    method: str
-    round: int
-    run_seed: int
-    release_margin: float = 0.0
-    """>= 0, how far above the threshold a score must be for the expert to hand back"""
+    policy: TrainablePolicy
+    fitted: FittedGate
+    """what its gate knows"""
+    method: str = ""
+    round: int = 0
+    run_seed: int = 0
+    training_loss: float = float("nan")
+    """mean surrogate loss of the policy on the states that it was fitted to"""
 
-    def score(self, observation: Observation) -> float:
-        """The signal's score of one observation; NaN where it has none."""
-        images = {camera: image[None] for camera, image in observation.images.items()}
-        return float(self.signal.scores(images, observation.features[None])[0])
+    @property
+    def threshold(self) -> float:
+        """The score below which the expert takes over."""
+        return self.fitted.threshold
 
-    def reason(self, observation: Observation) -> Reason:
-        """What is to blame for a score below the threshold: the state, or the proposed action."""
-        images = {camera: image[None] for camera, image in observation.images.items()}
-        if isinstance(self.signal, JoinedSignal):
-            parts = self.signal.parts(images, observation.features[None])
-            # Who finds it rarest, however often each counts.
-            weights = self.signal.weights
-            rarest = min(parts, key=lambda name: float(parts[name][0]) / weights[name])
-            return Reason.OUTSIDE if rarest == "support" else Reason.RISK
-        return Reason.OUTSIDE if isinstance(self.signal, SupportSignal) else Reason.RISK
+    def gate(self, *, expert_share: float | None = None, person: Person | None = None) -> Gate:
+        """Return its gate, with the settings that it was trained with: the only way to one.
 
-    def scores(self, samples: Samples) -> NDArray[np.float64]:
-        """(n,) the signal's scores of `samples`."""
-        return self.signal.scores(samples.images, samples.features)
+        Args:
+            expert_share: for a gate that follows a schedule; as in its settings where it is None.
+            person: who may take over where the gate leaves that to a person; nobody where None.
+        """
+        return make_gate(self.fitted, expert_share=expert_share, person=person)
 
     def save(self, path: Path | str) -> Path:
         """Write the file in one stroke: it is there whole or not at all. Returns its path."""
         path = Path(path)
+        fitted = self.fitted
         header = {
             "format": FORMAT,
             "schema": SCHEMA,
             "task": self.task,
             "policy": {"name": self.policy_name, "hyper": _hyperparameters(self.policy)},
-            "signal": asdict(self.signal_choice),
-            "threshold": self.threshold,
-            "release_margin": self.release_margin,
-            "false_alarm_rate": self.false_alarm_rate,
+            "gate": fitted.config.described(),
+            "has_signal": fitted.signal is not None,
+            "threshold": fitted.threshold,
+            "release_margin": fitted.release_margin,
+            "sources": asdict(fitted.sources),
             "method": self.method,
             "round": self.round,
             "run_seed": self.run_seed,
+            "training_loss": self.training_loss,
         }
+        learned: dict[str, Arrays] = {"policy": self.policy.arrays()}
+        if fitted.signal is not None:
+            learned["signal"] = fitted.signal.arrays()
         arrays: dict[str, NDArray] = {"header": np.array(json.dumps(header, sort_keys=True))}
-        for part in PARTS:
-            learned: Arrays = getattr(self, part).arrays()
-            arrays |= {f"{part}/{name}": array for name, array in sorted(learned.items())}
+        for part, named in learned.items():
+            arrays |= {f"{part}/{name}": array for name, array in sorted(named.items())}
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
         try:
@@ -107,15 +104,6 @@ class Checkpoint:
         finally:
             temporary.unlink(missing_ok=True)
         return path
-
-
-def with_policy(checkpoint: Checkpoint, policy: Policy) -> Checkpoint:
-    """Another `policy` under the gate of `checkpoint`, whose signal then looks through that one.
-
-    Only for where nothing depends on the gate: what it was fitted to are the old policy's states.
-    """
-    signal = make_signal(checkpoint.signal_choice).load(policy, checkpoint.signal.arrays())
-    return replace(checkpoint, policy=policy, signal=signal)
 
 
 def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
@@ -135,25 +123,39 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
     try:
         hyper = dict(header["policy"]["hyper"])
         policy = make_policy(header["policy"]["name"], spec, **hyper).load(arrays["policy"])
-        choice = SignalChoice(**header["signal"])
         return Checkpoint(
             task=header["task"],
             policy_name=header["policy"]["name"],
             policy=policy,
-            signal_choice=choice,
-            signal=make_signal(choice).load(policy, arrays["signal"]),
-            threshold=float(header["threshold"]),
-            false_alarm_rate=float(header["false_alarm_rate"]),
+            fitted=_fitted(header, policy, arrays["signal"]),
             method=str(header["method"]),
             round=int(header["round"]),
             run_seed=int(header["run_seed"]),
-            # Files from before there was one have none.
-            release_margin=float(header.get("release_margin", 0.0)),
+            training_loss=float(header["training_loss"]),
         )
     except (UnknownNameError, ParameterError) as error:
         raise CheckpointError(f"{path} does not fit this version or task: {error}") from error
     except (KeyError, TypeError, ValueError) as error:
         raise CheckpointError(f"{path} is broken: {type(error).__name__} {error}") from error
+
+
+def _fitted(header: dict[str, Any], policy: TrainablePolicy, arrays: Arrays) -> FittedGate:
+    config = GateConfig.from_described(header["gate"])
+    fitted = FittedGate(
+        config=config,
+        policy=policy,
+        threshold=float(header["threshold"]),
+        release_margin=float(header["release_margin"]),
+        sources=Sources(*(tuple(map(str, header["sources"][name])) for name in SOURCES)),
+    )
+    if not header["has_signal"]:
+        return fitted
+    signal = make_signal(planned_signal(config))
+    signal.attach(policy)
+    return replace(fitted, signal=signal.load(arrays))
+
+
+SOURCES = ("fitted_to", "held_out")
 
 
 def digest(path: Path | str) -> str:
@@ -208,9 +210,12 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, dict[str, NDArray]]]:
         ) from error
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+    if header.get("schema") == 2:
+        header = header_of_schema_2(path, header)
     if header.get("schema") != SCHEMA:
         raise CheckpointError(
-            f"{path} has schema {header.get('schema')}; this version reads {SCHEMA}: train again"
+            f"{path} has schema {header.get('schema')}; this version reads 2 and {SCHEMA}: train "
+            "again"
         )
     parts: dict[str, dict[str, NDArray]] = {part: {} for part in PARTS}
     for name, array in flat.items():

@@ -5,14 +5,19 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint, with_policy
+import numpy as np
+
+from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.making import LOOKING
+from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.fitting import calibrated, fit_gate
+from sheath_manip.learning.fitting import fit_gate, recalibrated
 from sheath_manip.learning.methods import Method
 from sheath_manip.learning.results import EXPERT, round_path
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
-from sheath_manip.protocols import Policy
+from sheath_manip.policies.looking import look
+from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.seeding import seed_for
 from sheath_manip.types import TaskSpec
 from sheath_manip.types.samples import Samples
@@ -21,37 +26,69 @@ from sheath_manip.types.samples import Samples
 class Checkpoints:
     """Fits policy and gate of each round of each method once and for all."""
 
-    def __init__(self, spec: TaskSpec, plan: LearningPlan, run_seed: int, runs: Path) -> None:
+    def __init__(
+        self,
+        spec: TaskSpec,
+        plan: LearningPlan,
+        run_seed: int,
+        runs: Path,
+        held_out: Sequence[str],
+        calibration: Sequence[Samples],
+    ) -> None:
+        """Store what all rounds share.
+
+        Args:
+            spec: of the task.
+            plan: of the experiment; each method changes it in its own way.
+            run_seed: of the training run.
+            runs: where checkpoints lie.
+            held_out: names of the expert episodes for thresholds.
+            calibration: these episodes.
+        """
         self.spec = spec
         self.plan = plan
         self.run_seed = run_seed
         self.runs = runs
+        self.held_out = tuple(held_out)
+        self.calibration = calibration
 
-    def first(self, states: Samples, calibration: Sequence[Samples]) -> Checkpoint:
-        """The one that all methods start from, fitted to the demonstrations."""
+    def first(self, states: Samples, names: Sequence[str]) -> Checkpoint:
+        """Return the one that all methods start from, fitted to the demonstrations of `names`."""
 
         def fit() -> Checkpoint:
             policy = self._fresh_policy(self.plan).fit(states)
-            return self._with_gate(self.plan, policy, states, calibration)
+            return self._with_gate(self.plan, policy, states, names)
 
         return self._read_or(fit, EXPERT, 0)
 
     def begun(
-        self,
-        method: Method,
-        first: Checkpoint,
-        states: Samples,
-        calibration: Sequence[Samples],
+        self, method: Method, first: Checkpoint, states: Samples, names: Sequence[str]
     ) -> Checkpoint:
-        """`first` as it is, or its policy under the method's own gate where it has another."""
+        """Return `first` with the method's own gate, and its policy as the method begins with it.
+
+        Where the method looks as the plan does, and only holds or labels otherwise, nothing has to
+        be fitted for that.
+        """
         plan = method.plan(self.plan)
-        # Which states get labels is nothing that a checkpoint is fitted to.
-        if plan.changed(gate={"labels": self.plan.gate.labels}) == self.plan:
+        if plan == self.plan:
             return first
 
         def fit() -> Checkpoint:
-            policy = self._fresh_policy(plan).load(method.begin(first.policy.arrays()))
-            return self._with_gate(plan, policy, states, calibration)
+            policy = first.policy
+            if plan.policy != self.plan.policy:
+                learned = method.initial_policy(first.policy.arrays())
+                policy = self._fresh_policy(plan).load(learned)
+            config = plan.gate
+            if config.kind not in LOOKING:
+                return replace(
+                    first,
+                    policy=policy,
+                    policy_name=plan.policy.name,
+                    fitted=replace(first.fitted, config=config, policy=policy, signal=None),
+                )
+            if config.fitted_like(self.plan.gate):
+                return replace(first, fitted=replace(first.fitted, config=config))
+            return self._with_gate(plan, policy, states, names)
 
         return self._read_or(fit, method.name, 0)
 
@@ -62,9 +99,9 @@ class Checkpoints:
         previous: Checkpoint,
         aggregated: Samples,
         visited: Samples,
-        calibration: Sequence[Samples],
+        names: Sequence[str],
     ) -> Checkpoint:
-        """After round `number`: policy (warm), signal and threshold.
+        """Return that after round `number`: policy (warm), signal and threshold.
 
         Args:
             method: whose round it was.
@@ -73,55 +110,66 @@ class Checkpoints:
             aggregated: all labelled states so far.
             visited: all states of the round. Where none was labelled, nothing new is known of the
                 policy, and only the threshold is found again.
-            calibration: held-out expert episodes.
+            names: of the episodes that `aggregated` is from.
         """
         plan = method.plan(self.plan)
         new = visited.labelled()
 
         def fit() -> Checkpoint:
             if len(new) == 0:
-                again = plan.gate.threshold.recalibrate
-                return calibrated(previous, calibration, plan.gate, visited) if again else previous
+                if previous.fitted.signal is None or not plan.gate.threshold.recalibrate:
+                    return previous
+                again = recalibrated(previous.fitted, self.calibration, visited)
+                return replace(previous, fitted=again)
             # A copy: what drove the round is yet to be measured.
             policy = self._fresh_policy(plan).load(previous.policy.arrays())
             policy.fit(new if method.latest_only else aggregated)
-            if not (method.looks or plan.schedule.refit_unused):
-                return with_policy(previous, policy)
-            return self._with_gate(plan, policy, aggregated, calibration, previous, visited)
+            return self._with_gate(plan, policy, aggregated, names, previous.fitted, visited)
 
         return self._read_or(fit, method.name, number)
 
+    def path(self, checkpoint: Checkpoint) -> Path:
+        """Return where the file of a checkpoint lies."""
+        return self._path(checkpoint.method, checkpoint.round)
+
     def digest(self, checkpoint: Checkpoint) -> str:
-        """Of the checkpoint's file."""
-        return digest(self._path(checkpoint.method, checkpoint.round))
+        """Return the digest of the checkpoint's file."""
+        return digest(self.path(checkpoint))
 
     def _with_gate(
         self,
         plan: LearningPlan,
-        policy: Policy,
+        policy: TrainablePolicy,
         states: Samples,
-        calibration: Sequence[Samples],
-        previous: Checkpoint | None = None,
+        names: Sequence[str],
+        previous: FittedGate | None = None,
         visited: Samples | None = None,
     ) -> Checkpoint:
-        return fit_gate(
-            policy,
-            states,
-            calibration,
-            plan.gate,
-            self.spec.name,
-            policy_name=plan.policy.name,
-            agreement=partial(
-                held_out_agreement,
-                partial(self._fresh_policy, plan),
+        sources = Sources(tuple(names), self.held_out)
+        if plan.gate.kind in LOOKING:
+            fitted, loss = fit_gate(
+                policy,
                 states,
-                tolerance=self.spec.action.tolerance,
-            ),
-            previous=previous,
-            visited=visited,
-        )
+                self.calibration,
+                plan.gate,
+                sources=sources,
+                agreement=partial(
+                    held_out_agreement,
+                    partial(self._fresh_policy, plan),
+                    states,
+                    tolerance=self.spec.action.tolerance,
+                ),
+                previous=previous,
+                visited=visited,
+            )
+        else:
+            fitted = FittedGate(plan.gate, policy, sources=sources)
+            losses = look(policy, states).losses
+            assert losses is not None
+            loss = float(np.mean(losses))
+        return Checkpoint(self.spec.name, plan.policy.name, policy, fitted, training_loss=loss)
 
-    def _fresh_policy(self, plan: LearningPlan) -> Policy:
+    def _fresh_policy(self, plan: LearningPlan) -> TrainablePolicy:
         seed = seed_for("policy", self.run_seed)
         return make_policy(plan.policy.name, self.spec, seed, **plan.policy.settings)
 

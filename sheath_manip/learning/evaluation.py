@@ -1,64 +1,49 @@
-"""Whoever acts alone, on scenes that nobody has learned from."""
+"""Evaluate a policy or an expert, ungated, on held-out scenes."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
-
-from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, redrawing
-from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.metrics import EpisodeRecord, record_of
-from sheath_manip.protocols import Environment, Expert, Gate, Policy, Report
-from sheath_manip.rollout.loop import rollout
-from sheath_manip.seeding import generator
-from sheath_manip.types import EpisodeInfo, Purpose
+from sheath_manip.rollout.request import Driver, EpisodeRequest
+from sheath_manip.seeding import scene_seed
+from sheath_manip.task import Task
+from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 
 
-def evaluate_policy(
-    environment: Environment,
-    checkpoint: Checkpoint,
-    seeds: Sequence[int],
-    report: Report = lambda _: None,
-) -> list[EpisodeRecord]:
-    """The policy alone on the scenes of `seeds`; nothing is recorded, nothing learned from it."""
-    policy, method = checkpoint.policy, checkpoint.method
-    gate = partial(redrawing, AlwaysPolicy(), policy)
-    return _judged(environment, seeds, gate, report, method, checkpoint.round, policy=policy)
-
-
-def evaluate_expert(
-    environment: Environment,
-    expert: Expert,
-    name: str,
-    seeds: Sequence[int],
-    report: Report = lambda _: None,
-) -> list[EpisodeRecord]:
-    """Likewise an expert, or who sits in its place."""
-    return _judged(environment, seeds, AlwaysExpert, report, name, expert=expert)
-
-
-def _judged(
-    environment: Environment,
-    seeds: Sequence[int],
-    gate: Callable[[], Gate],
-    report: Report,
-    name: str,
-    number: int = 0,
+def evaluation_requests(
+    task: Task,
+    variant: str,
+    spec: TaskSpec,
+    driver: Driver,
+    scenes: str,
+    count: int,
     *,
-    policy: Policy | None = None,
-    expert: Expert | None = None,
-) -> list[EpisodeRecord]:
-    records = []
-    for index, seed in enumerate(seeds):
-        info = EpisodeInfo(
-            task=environment.spec.name,
-            seed=seed,
+    method: str = "",
+    number: int = 0,
+    run_seed: int = 0,
+) -> list[EpisodeRequest]:
+    """Return requests for `driver` on the first scenes of a held-out set.
+
+    Nothing is recorded or learned from them, and all methods, seeds and rounds meet the same.
+
+    Args:
+        task: which task.
+        variant: of the task; one of its `run_variants` is that of the run.
+        spec: of the task.
+        driver: who drives, such as `PolicyAlone` or `ExpertAlone`.
+        scenes: name of the set; tune on another than you report.
+        count: how many.
+        method: that the driver learned by, or its name.
+        number: of the round that it was fitted in.
+        run_seed: of the training run.
+    """
+    infos = [
+        EpisodeInfo(
+            task=spec.name,
+            seed=scene_seed(Purpose.EVALUATION, scenes, index),
             purpose=Purpose.EVALUATION,
-            control_rate_hz=environment.spec.control_rate_hz,
-            method=name,
+            control_rate_hz=spec.control_rate_hz,
+            method=method,
             round=number,
             index=index,
+            run_seed=run_seed,
         )
-        rng = generator("alone", seed)
-        episode = rollout(environment, info, gate(), rng=rng, policy=policy, expert=expert)
-        records.append(record_of(episode))
-        report(f"{name} alone")
-    return records
+        for index in range(count)
+    ]
+    return [EpisodeRequest(task, variant, info, driver) for info in infos]

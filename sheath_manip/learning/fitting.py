@@ -1,12 +1,16 @@
-"""From a fitted policy to its gate: signal and threshold."""
+"""From a fitted policy to its gate: signal and threshold, each state looked at once."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
-from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.protocols import Agreement, Policy, Refits, Signal
+from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.policies.looking import look, look_to_fit
+from sheath_manip.protocols import Agreement, Refits, Signal, TrainablePolicy
 from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
@@ -14,98 +18,151 @@ from sheath_manip.support.calibration import (
     planned_threshold,
 )
 from sheath_manip.types.samples import Samples
+from sheath_manip.types.seen import Seen
+
+BUDGET = "budget"
+"""the threshold rule that asks what the policy met last"""
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """What one policy saw of all that its gate is fitted to and calibrated on."""
+
+    labels: NDArray[np.float32]
+    """(n, a) of the training states"""
+    states: Seen
+    """the n training states"""
+    calibration: Sequence[Seen]
+    """expert episodes that no fit has seen"""
+    visited: Seen | None = None
+    """all states of the last round's episodes, where a budget asks for them"""
+
+
+def looks_of(
+    policy: TrainablePolicy,
+    signal: Signal,
+    states: Samples,
+    calibration: Sequence[Samples],
+    visited: Samples | None = None,
+) -> Looks:
+    """Look at everything once, with all that `signal` reads; it is attached to the policy."""
+    readers = signal.attach(policy)
+    return Looks(
+        np.asarray(states.labels),
+        look_to_fit(policy, states, signal),
+        [look(policy, episode, readers) for episode in calibration],
+        None if visited is None else look(policy, visited, readers),
+    )
 
 
 def fit_gate(
-    policy: Policy,
+    policy: TrainablePolicy,
     states: Samples,
     calibration: Sequence[Samples],
     config: GateConfig,
-    task: str,
     *,
-    policy_name: str,
-    run_seed: int = 0,
+    sources: Sources,
     agreement: Agreement | None = None,
-    previous: Checkpoint | None = None,
+    previous: FittedGate | None = None,
     visited: Samples | None = None,
-    signal: Signal | None = None,
-) -> Checkpoint:
+) -> tuple[FittedGate, float]:
     """Fit the signal of `config` to the policy's training `states`, and calibrate the threshold.
 
-    Where too many states have no score for any threshold, the gate takes none for inside.
+    Where too many states have no score for any threshold, the gate takes none for inside. Returns
+    the gate and the policy's mean surrogate loss on `states`, which the same look shows.
 
     Args:
         policy: fitted to `states`.
         states: that it was trained on.
         calibration: expert episodes that no fit has seen, one `Samples` each.
         config: names signal, embedding, support and rule.
-        task: name of the task.
-        policy_name: of `policy`, in POLICIES.
-        run_seed: of the training run.
+        sources: the names of all these episodes.
         agreement: for supports that ask where the policy is right.
         previous: of the round before, whose threshold stays where `config` calibrates only once.
         visited: all states of the last round's episodes, for a budget; where there are none yet,
             the calibration episodes stand in.
-        signal: unfitted, as `config` chooses it; made anew where it is not given.
     """
-    choice = planned_signal(config)
-    signal = make_signal(choice) if signal is None else signal
-    signal.fit(policy, states, agreement).calibrate(calibration)
-    fitted = Checkpoint(
-        task=task,
-        policy_name=policy_name,
-        policy=policy,
-        signal_choice=choice,
-        signal=signal,
-        threshold=float("nan") if previous is None else previous.threshold,
-        release_margin=0.0 if previous is None else previous.release_margin,
-        false_alarm_rate=config.threshold.false_alarm_rate,
-        method="",
-        round=0,
-        run_seed=run_seed,
+    signal = make_signal(planned_signal(config))
+    asked = visited if config.threshold.rule == BUDGET else None
+    looks = looks_of(policy, signal, states, calibration, asked)
+    fitted = fit_to_looks(
+        policy, signal, looks, config, sources=sources, agreement=agreement, previous=previous
     )
-    if previous is not None and not config.threshold.recalibrate:
-        return fitted
-    return calibrated(fitted, calibration, config, visited)
+    assert looks.states.losses is not None
+    return fitted, float(np.mean(looks.states.losses))
 
 
-def calibrated(
-    checkpoint: Checkpoint,
-    calibration: Sequence[Samples],
+def fit_to_looks(
+    policy: TrainablePolicy,
+    signal: Signal,
+    looks: Looks,
     config: GateConfig,
-    visited: Samples | None = None,
-) -> Checkpoint:
-    """`checkpoint` with its threshold, and how far above it the expert hands back."""
-    held_out = [checkpoint.scores(episode) for episode in calibration]
-    met = held_out if visited is None else [checkpoint.scores(visited)]
+    *,
+    sources: Sources,
+    agreement: Agreement | None = None,
+    previous: FittedGate | None = None,
+) -> FittedGate:
+    """Fit `signal`, unfitted and attached to `policy`, to what was looked at already."""
+    measures = _calibrated(signal.fit(looks.labels, looks.states, agreement), looks)
+    fitted = FittedGate(config, policy, signal, sources=sources)
+    if previous is not None and not config.threshold.recalibrate:
+        return replace(fitted, threshold=previous.threshold, release_margin=previous.release_margin)
+    return _with_threshold(fitted, measures, looks.visited)
+
+
+def recalibrated(
+    fitted: FittedGate, calibration: Sequence[Samples], visited: Samples | None = None
+) -> FittedGate:
+    """Find the threshold again, for a gate that stays as it is."""
+    policy, signal, readers = fitted.policy, fitted.fitted_signal, fitted.readers
+    measures = [signal.measure(look(policy, episode, readers)) for episode in calibration]
+    asked = fitted.config.threshold.rule == BUDGET and visited is not None
+    met = look(policy, visited, readers) if asked and visited is not None else None
+    return _with_threshold(fitted, measures, met)
+
+
+def with_nu(fitted: FittedGate, looks: Looks, nu: float) -> FittedGate:
+    """Fit the support anew to the training states, of which `nu` may be outside.
+
+    Policy and embedding stay; the threshold is found again for the same rate of false alarms.
+    Raises ParameterError where the support has no nu, or cannot be fitted to states alone.
+    """
+    config = replace(fitted.config, support=replace(fitted.config.support, nu=nu))
+    choice = planned_signal(config)
+    if "nu" not in choice.hyperparameters:
+        raise ParameterError(
+            f"the support {choice.support} has no nu; wanted one such as one-class-svm"
+        )
+    signal = make_signal(choice)
+    signal.attach(fitted.policy)
+    signal.load(fitted.fitted_signal.arrays())
+    if not isinstance(signal, Refits):
+        raise ParameterError(f"the signal {choice.signal} has no support to be fitted anew")
+    signal.refit(looks.states)
+    measures = _calibrated(signal, looks)
+    held_out = [signal.scores(each) for each in measures]
+    rate = config.threshold.false_alarm_rate
+    threshold = or_nothing_inside(lambda: held_out_threshold(held_out, rate))
+    return replace(fitted, config=config, signal=signal, threshold=threshold)
+
+
+def _calibrated(signal: Signal, looks: Looks) -> list[NDArray[np.float64]]:
+    """The measures of the held-out episodes, from which the signal has learned."""
+    measures = [signal.measure(seen) for seen in looks.calibration]
+    signal.calibrate(measures)
+    return measures
+
+
+def _with_threshold(
+    fitted: FittedGate, measures: Sequence[NDArray], visited: Seen | None
+) -> FittedGate:
+    """With its threshold, and how far above it the expert hands back."""
+    signal, config = fitted.fitted_signal, fitted.config
+    held_out = [signal.scores(each) for each in measures]
+    met = held_out if visited is None else [fitted.scores_of(visited)]
     threshold = planned_threshold(held_out, met, config.threshold)
     margin = 0.0
     if config.release_rate > 0:
         release = or_nothing_inside(lambda: held_out_threshold(held_out, config.release_rate))
         margin = max(0.0, release - threshold)
-    return replace(checkpoint, threshold=threshold, release_margin=margin)
-
-
-def with_nu(
-    checkpoint: Checkpoint, states: Samples, calibration: Sequence[Samples], nu: float
-) -> Checkpoint:
-    """`checkpoint` with its support fitted anew to `states`, of which `nu` may be outside.
-
-    Policy and embedding stay; the threshold is found again for the same rate of false alarms.
-    Raises ParameterError where the support has no nu, or cannot be fitted to states alone.
-    """
-    choice = checkpoint.signal_choice
-    if "nu" not in choice.hyperparameters:
-        raise ParameterError(
-            f"the support {choice.support} has no nu; wanted one such as one-class-svm"
-        )
-    choice = replace(choice, hyperparameters={**choice.hyperparameters, "nu": nu})
-    signal = make_signal(choice).load(checkpoint.policy, checkpoint.signal.arrays())
-    if not isinstance(signal, Refits):
-        raise ParameterError(f"the signal {choice.signal} has no support to be fitted anew")
-    signal.refit(states)
-    signal.calibrate(calibration)
-    fitted = replace(checkpoint, signal_choice=choice, signal=signal)
-    held_out = [fitted.scores(episode) for episode in calibration]
-    rate = checkpoint.false_alarm_rate
-    return replace(fitted, threshold=or_nothing_inside(lambda: held_out_threshold(held_out, rate)))
+    return replace(fitted, threshold=threshold, release_margin=margin)

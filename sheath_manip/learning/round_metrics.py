@@ -4,16 +4,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sheath_manip.learning import theory
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.theory import Bound
-from sheath_manip.types import Actor, Episode
-from sheath_manip.types.samples import Samples
+from sheath_manip.policies.looking import look
+from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.types import Actor, Episode, Proposal
+from sheath_manip.types.samples import Samples, visited_from
 
 
 @dataclass(frozen=True)
-class Measures:
+class RoundMetrics:
     """Of one round; the fields are those of `RoundResult`."""
 
     false_alarm_rate: float
@@ -22,37 +25,70 @@ class Measures:
     bound: Bound
 
 
-def measures_of(
+def compute_round_metrics(
     episodes: Sequence[Episode],
-    visited: Samples,
     driver: Checkpoint,
     fitted: Checkpoint,
-    aggregated: Samples,
     check: Sequence[Samples],
     tolerance: float = 0.0,
-) -> Measures:
-    """The measures of one round.
+) -> RoundMetrics:
+    """Return the metrics of one round.
+
+    What the driver proposed and how its gate scored that was recorded, and is not looked at again;
+    only demonstrations, which it did not drive, it is shown now.
 
     Args:
-        episodes: of the round.
-        visited: all their states, labelled or not. What needs the expert's word (losses, misses)
-            is measured over the labelled ones, and is NaN where there are none.
-        driver: drove them.
+        episodes: of the round. What needs the expert's word (losses, misses) is measured over the
+            labelled steps, and is NaN where there are none.
+        driver: drove them, or is fitted to them.
         fitted: to the states after them.
-        aggregated: the labelled states that `fitted` had, so far.
         check: new expert episodes.
         tolerance: surrogate loss up to which an action counts as the expert's.
     """
-    losses = np.empty(0)
-    if visited.is_labelled.any():
-        losses = driver.policy.surrogate_losses(visited.labelled())
-    acted = np.array([step.decision.actor is Actor.POLICY for e in episodes for step in e.steps])
-    missed = acted[visited.is_labelled][losses > tolerance]
-    epsilon = float(np.mean(fitted.policy.surrogate_losses(aggregated)))
-    alarms = [float(np.mean(~(fitted.scores(one) >= fitted.threshold))) for one in check]
-    return Measures(
-        false_alarm_rate=float(np.mean(alarms)),
+    steps = [step for episode in episodes for step in episode.steps]
+    labelled = np.array([step.label is not None for step in steps])
+    acted = np.array([step.decision.actor is Actor.POLICY for step in steps])
+    if all(episode.info.checkpoint for episode in episodes):
+        losses = _losses(driver.policy, episodes)
+        scores = np.array([step.decision.score for step in steps])
+    else:
+        losses, scores = _looked_at(driver, visited_from(episodes))
+    known = losses[labelled]
+    missed = acted[labelled][known > tolerance]
+    return RoundMetrics(
+        false_alarm_rate=_false_alarm_rate(fitted, check),
         missed_rate=float(missed.mean()) if len(missed) else 0.0,
-        surrogate_loss=float(np.mean(losses)) if len(losses) else float("nan"),
-        bound=theory.measure(episodes, driver.scores(visited), driver.threshold, losses, epsilon),
+        surrogate_loss=float(np.mean(known)) if len(known) else float("nan"),
+        bound=theory.measure(episodes, scores, driver.threshold, known, fitted.training_loss),
     )
+
+
+def _losses(policy: TrainablePolicy, episodes: Sequence[Episode]) -> NDArray[np.float32]:
+    """(n,) how far each recorded proposal is from its label; 1 where it was invalid."""
+    steps = [step for episode in episodes for step in episode.steps]
+    nothing = np.full_like(steps[0].executed, np.nan)
+    proposed = np.stack([nothing if step.proposed is None else step.proposed for step in steps])
+    labels = np.stack([nothing if step.label is None else step.label for step in steps])
+    valid = np.isfinite(proposed).all(axis=1)
+    losses = np.ones(len(steps), np.float32)
+    if valid.any():
+        losses[valid] = policy.surrogate_losses(Proposal(proposed[valid]), labels[valid])
+    return losses
+
+
+def _looked_at(driver: Checkpoint, visited: Samples) -> tuple[NDArray, NDArray]:
+    """(n,) losses and (n,) scores of states that the driver did not drive."""
+    fitted = driver.fitted
+    seen = look(driver.policy, visited, () if fitted.signal is None else fitted.readers)
+    assert seen.losses is not None
+    nothing = np.full(len(visited), np.nan)
+    return seen.losses, nothing if fitted.signal is None else fitted.scores_of(seen)
+
+
+def _false_alarm_rate(fitted: Checkpoint, check: Sequence[Samples]) -> float:
+    """Mean share of the steps of new expert episodes below the threshold; NaN without a signal."""
+    gate = fitted.fitted
+    if gate.signal is None:
+        return float("nan")
+    alarms = [float(np.mean(~(gate.scores(one) >= gate.threshold))) for one in check]
+    return float(np.mean(alarms))

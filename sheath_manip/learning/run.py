@@ -7,18 +7,17 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
+from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, attentive_person
-from sheath_manip.gates.human import Person
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.checkpoints import Checkpoints
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.evaluation import evaluate_policy
-from sheath_manip.learning.methods import METHODS, Method, RoundContext, method_named
+from sheath_manip.learning.drivers import ExpertAlone, GatedPolicy, NoisyExpert, PolicyAlone
+from sheath_manip.learning.evaluation import evaluation_requests
+from sheath_manip.learning.methods import METHODS, Method, method_named
 from sheath_manip.learning.results import (
     EXPERT,
     RoundListener,
@@ -28,29 +27,32 @@ from sheath_manip.learning.results import (
     round_results,
     write_result,
 )
-from sheath_manip.learning.round_metrics import measures_of
+from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
-from sheath_manip.protocols import Environment, Expert, Gate, Listener, Report
-from sheath_manip.rollout.action_noise import DisturbedExpert
-from sheath_manip.rollout.collecting import AskedOnce, Recording
+from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.executor import Executor, unheard
+from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import TaskEntry
-from sheath_manip.types import Episode, Purpose
+from sheath_manip.task import Task
+from sheath_manip.types import Episode, EpisodeInfo, Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
 
 
 @dataclass(frozen=True, eq=False)
-class Common:
+class SharedStart:
     """What all methods of one training seed share: they start from the same policy."""
 
     checkpoint: Checkpoint
+    checkpoints: Checkpoints
     demonstrations: Samples
-    calibration: Sequence[Samples]
-    """one a held-out expert episode, for the threshold"""
+    names: Sequence[str]
+    """of the demonstrations"""
     check: Sequence[Samples]
     """one a further held-out expert episode, for measuring false alarms"""
-    records: Sequence[EpisodeRecord]
-    """of all episodes that the expert drove undisturbed"""
+
+
+def _as_it_is(driver: Driver) -> Driver:
+    return driver
 
 
 class LearningRun:
@@ -62,102 +64,96 @@ class LearningRun:
 
     def __init__(
         self,
-        task: TaskEntry,
+        task: Task,
         plan: LearningPlan,
         run_seed: int,
         directory: Path,
         store: EpisodeStore,
+        executor: Executor,
         listeners: Sequence[Listener] = (),
-        report: Report = lambda _: None,
-        person: Callable[[Expert], Person] | None = None,
-        supervised: Callable[[Gate], Gate] | None = None,
-        demonstrated: Callable[[Gate], Gate] | None = None,
+        report: Report = unheard,
+        supervised: Callable[[Driver], Driver] = _as_it_is,
+        demonstrated: Callable[[Driver], Driver] = _as_it_is,
     ) -> None:
-        """Make the environment of the run.
+        """Store what is learned, and who runs the episodes.
 
-        `person` makes the one who may take over; where there is none, one who watches well.
-        `supervised` puts another gate around that of each learning episode, and `demonstrated`
-        around that of each expert episode before: where the expert is a person at the controls.
+        `supervised` puts a person beside what drives each learning episode, and `demonstrated`
+        beside the expert of those before: where the expert is a person at the controls.
         """
         self.task = task
         self.plan = plan
         self.run_seed = run_seed
         self.directory = directory
         self.store = store
+        self.executor = executor
         self.listeners = listeners
         self.report = report
-        self.environment = task.make_for_run(plan.schedule.variant, run_seed)
-        self._supervised = supervised or _as_it_is
-        self._demonstrated = demonstrated or _as_it_is
-        expert = AskedOnce(task.expert(self.environment))
-        action = self.environment.spec.action
-        self.person = attentive_person(expert, action) if person is None else person(expert)
-        self.disturbed = DisturbedExpert(expert, action, plan.schedule.demonstration_noise)
-        self.recording = Recording(self.environment, expert, run_seed, store, listeners, report)
-        self.checkpoints = Checkpoints(self.environment.spec, plan, run_seed, directory)
+        self.spec = _spec_of(task, plan.schedule.variant, run_seed)
+        self._supervised = supervised
+        self._demonstrated = demonstrated
 
-    def close(self) -> None:
-        """End the process that writes, and free the simulator."""
-        try:
-            self.recording.close()
-        finally:
-            self.environment.close()
-
-    def start(self) -> Common:
+    def start(self) -> SharedStart:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         schedule = self.plan.schedule
         demonstrations = self._demonstrations()
         count = schedule.calibration + schedule.false_alarm_episodes
         held_out = self._expert_episodes(Purpose.CALIBRATION, count)
         samples = [samples_from([episode]) for episode in held_out]
-        calibration, check = samples[: schedule.calibration], samples[schedule.calibration :]
+        names = [episode_name(episode.info) for episode in held_out]
+        checkpoints = Checkpoints(
+            self.spec,
+            self.plan,
+            self.run_seed,
+            self.directory,
+            names[: schedule.calibration],
+            samples[: schedule.calibration],
+        )
         states = samples_from(demonstrations)
-        # Whom a push made fail says nothing of the expert.
-        undisturbed = demonstrations if schedule.demonstration_noise == 0 else []
-        records = [record_of(episode) for episode in (*undisturbed, *held_out)]
-        checkpoint = self._fitted(self.checkpoints.first(states, calibration), states)
-        return Common(checkpoint, states, calibration, check, records)
+        learned_from = [episode_name(episode.info) for episode in demonstrations]
+        first = self._fitted(checkpoints.first(states, learned_from), states)
+        check = samples[schedule.calibration :]
+        return SharedStart(first, checkpoints, states, learned_from, check)
 
-    def prepare(self) -> Common:
+    def prepare(self) -> SharedStart:
         """Start, and measure what was started with: round 0."""
-        common = self.start()
+        start = self.start()
         if not self._path(EXPERT, 0, "json").exists():
-            first, states = common.checkpoint, common.demonstrations
             stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
-            measured = self._measured(first, first, common, list(stored), states, states)
+            first, states = start.checkpoint, len(start.demonstrations)
+            measured = self._measured(start, first, first, list(stored), states)
             write_result(self._path(EXPERT, 0, "json"), measured)
-        return common
+        return start
 
     def run(self, method_name: str) -> list[RoundResult]:
-        """All rounds of one method; round 0 is the shared start."""
+        """Run all rounds of one method; round 0 is the shared start."""
         method = method_named(method_name)
         done = self._finished(method.name)
         if done is not None:
             for result in done:
                 self._tell(result)
             return done
-        common = self.prepare()
+        start = self.prepare()
         results = [read_result(self._path(EXPERT, 0, "json"))]
         self._tell(results[0])
-        labelled = [common.demonstrations]
-        first, calibration = common.checkpoint, common.calibration
-        checkpoint = self.checkpoints.begun(method, first, common.demonstrations, calibration)
+        labelled, names = [start.demonstrations], list(start.names)
+        checkpoint = start.checkpoints.begun(
+            method, start.checkpoint, start.demonstrations, start.names
+        )
         while not results[-1].final:
             number = len(results)
-            episodes = self._learning_episodes(method, number, checkpoint)
+            episodes = self._learning_episodes(start, method, number, checkpoint)
             visited = visited_from(episodes)
             if visited.is_labelled.any():
                 labelled.append(visited.labelled())
+                names += [episode_name(each.info) for each in episodes if _is_labelled(each)]
             aggregated = joined(labelled)
-            refitted = self.checkpoints.refitted(
-                method, number, checkpoint, aggregated, visited, calibration
+            refitted = start.checkpoints.refitted(
+                method, number, checkpoint, aggregated, visited, names
             )
             self._fitted(refitted, aggregated)
             path = self._path(method.name, number, "json")
             if not path.exists():
-                measured = self._measured(
-                    checkpoint, refitted, common, episodes, visited, aggregated
-                )
+                measured = self._measured(start, checkpoint, refitted, episodes, len(aggregated))
                 write_result(path, measured)
             results.append(read_result(path))
             self._tell(results[-1])
@@ -176,95 +172,123 @@ class LearningRun:
         return checkpoint
 
     def _demonstrations(self) -> list[Episode]:
-        count = self.plan.schedule.demonstrations
-        if self.plan.schedule.demonstration_noise == 0:
-            return self._expert_episodes(Purpose.DEMONSTRATION, count)
-        gate = partial(AlwaysPolicy, query=True)
-        return self.recording.episodes(
-            Purpose.DEMONSTRATION, EXPERT, 0, count, gate, self.disturbed
-        )
+        schedule = self.plan.schedule
+        if schedule.demonstration_noise == 0:
+            return self._expert_episodes(Purpose.DEMONSTRATION, schedule.demonstrations)
+        driver = NoisyExpert(schedule.demonstration_noise)
+        return self._episodes(Purpose.DEMONSTRATION, EXPERT, 0, schedule.demonstrations, driver)
 
     def _expert_episodes(self, purpose: Purpose, count: int) -> list[Episode]:
-        gate = partial(_around, self._demonstrated, AlwaysExpert)
-        return self.recording.episodes(purpose, EXPERT, 0, count, gate)
+        driver = self._demonstrated(ExpertAlone())
+        return self._episodes(purpose, EXPERT, 0, count, driver)
 
     def _learning_episodes(
-        self, method: Method, number: int, checkpoint: Checkpoint
+        self, start: SharedStart, method: Method, number: int, checkpoint: Checkpoint
     ) -> list[Episode]:
-        context = RoundContext(
-            checkpoint=checkpoint,
-            round=number,
-            reference_share=self._reference_share(method, number),
-            plan=method.plan(self.plan),
-            person=self.person,
-        )
-        return self.recording.episodes(
-            Purpose.LEARNING,
-            method.name,
-            number,
-            self.plan.schedule.episodes,
-            partial(_around, self._supervised, partial(method.gate, context)),
-            checkpoint.policy,
-            self.checkpoints.digest(checkpoint),
-        )
+        checkpoints = start.checkpoints
+        digest = checkpoints.digest(checkpoint)
+        share = self._share(method, number)
+        driver = GatedPolicy(checkpoints.path(checkpoint), digest, expert_share=share)
+        count = self.plan.schedule.episodes
+        driven = self._supervised(driver)
+        return self._episodes(Purpose.LEARNING, method.name, number, count, driven, digest)
 
-    def _reference_share(self, method: Method, number: int) -> float:
-        if method.follows is None:
-            return float("nan")
-        path = self._path(method.follows, number, "json")
+    def _episodes(
+        self,
+        purpose: Purpose,
+        method: str,
+        number: int,
+        count: int,
+        driver: Driver,
+        checkpoint: str = "",
+    ) -> list[Episode]:
+        """Run or read `count` episodes of round `number`; all of them are on the disk then."""
+        variant = self.plan.schedule.variant
+        infos = [
+            EpisodeInfo(
+                task=self.spec.name,
+                # Not by method: all methods meet the same scenes in the same round.
+                seed=scene_seed(purpose, self.run_seed, number, index),
+                purpose=purpose,
+                control_rate_hz=self.spec.control_rate_hz,
+                method=method,
+                round=number,
+                index=index,
+                run_seed=self.run_seed,
+                checkpoint=checkpoint,
+            )
+            for index in range(count)
+        ]
+        requests = [EpisodeRequest(self.task, variant, info, driver) for info in infos]
+        return list(self.executor.map(requests, self.store, self.listeners, self.report))
+
+    def _share(self, method: Method, number: int) -> float | None:
+        if method.share is not None:
+            return method.share(self.plan.schedule, number)
+        if method.share_from is None:
+            return None
+        path = self._path(method.share_from, number, "json")
         if not path.exists():
             raise ParameterError(
-                f"{method.name} is given the expert share of {method.follows}, which has no round "
-                f"{number} for seed {self.run_seed} yet; run {method.follows} first"
+                f"{method.name} is given the expert share of {method.share_from}, which has no "
+                f"round {number} for seed {self.run_seed} yet; run {method.share_from} first"
             )
         return expert_share(read_result(path).executed)
 
     def _measured(
         self,
+        start: SharedStart,
         driver: Checkpoint,
         fitted: Checkpoint,
-        common: Common,
         episodes: Sequence[Episode],
-        visited: Samples,
-        aggregated: Samples,
+        states: int,
     ) -> RoundResult:
-        """What the round showed: `driver` drove it, `fitted` was fitted after it."""
+        """What the round showed: `driver` drove it, `fitted` was fitted after it to `states`."""
         begin = time.perf_counter()
-        tolerance = self.environment.spec.action.tolerance
-        measures = measures_of(
-            episodes, visited, driver, fitted, aggregated, common.check, tolerance
+        tolerance = self.spec.action.tolerance
+        metrics = compute_round_metrics(episodes, driver, fitted, start.check, tolerance)
+        comparison = self.plan.comparison
+        digest = start.checkpoints.digest(fitted)
+        alone = PolicyAlone(start.checkpoints.path(fitted), digest)
+        policy = self._alone(
+            alone, fitted, self.plan.schedule.variant, comparison.evaluation_episodes
         )
-        alone = self._alone(self.environment, fitted, self.plan.comparison.evaluation_episodes)
         final: Sequence[EpisodeRecord] = ()
-        if self._is_last(fitted.method, fitted.round, measures.surrogate_loss):
-            comparison = self.plan.comparison
-            environment = self.task.make_for_run(comparison.final_variant, self.run_seed)
-            final = self._alone(environment, fitted, comparison.final_episodes)
-            environment.close()
+        if self._is_last(fitted.method, fitted.round, metrics.surrogate_loss):
+            final = self._alone(alone, fitted, comparison.final_variant, comparison.final_episodes)
         return RoundResult(
             method=fitted.method,
             run_seed=self.run_seed,
             round=fitted.round,
-            checkpoint=self.checkpoints.digest(fitted),
+            checkpoint=digest,
             executed=tuple(record_of(episode) for episode in episodes),
-            policy=tuple(alone),
+            policy=tuple(policy),
             final=tuple(final),
-            false_alarm_rate=measures.false_alarm_rate,
-            missed_rate=measures.missed_rate,
-            surrogate_loss=measures.surrogate_loss,
-            bound=measures.bound,
+            false_alarm_rate=metrics.false_alarm_rate,
+            missed_rate=metrics.missed_rate,
+            surrogate_loss=metrics.surrogate_loss,
+            bound=metrics.bound,
             threshold=fitted.threshold,
-            states=len(aggregated),
+            states=states,
             wall_s=time.perf_counter() - begin,
         )
 
     def _alone(
-        self, environment: Environment, checkpoint: Checkpoint, count: int
+        self, driver: Driver, fitted: Checkpoint, variant: str, count: int
     ) -> list[EpisodeRecord]:
         """The policy alone, on the same scenes for every method, seed and round."""
-        held_out = self.plan.comparison.held_out_set
-        seeds = [scene_seed(Purpose.EVALUATION, held_out, index) for index in range(count)]
-        return evaluate_policy(environment, checkpoint, seeds, self.report)
+        requests = evaluation_requests(
+            self.task,
+            variant,
+            self.spec,
+            driver,
+            self.plan.comparison.held_out_set,
+            count,
+            method=fitted.method,
+            number=fitted.round,
+            run_seed=self.run_seed,
+        )
+        return [record_of(each) for each in self.executor.map(requests, report=self.report)]
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.
@@ -273,7 +297,7 @@ class LearningRun:
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""
-        follows = METHODS[method].follows if method in METHODS else None
+        follows = METHODS[method].share_from if method in METHODS else None
         followed = None if follows is None else self._finished(follows)
         return self.plan.schedule.rounds if followed is None else followed[-1].round
 
@@ -288,9 +312,11 @@ class LearningRun:
         return round_path(self.directory, self.run_seed, method, number, suffix)
 
 
-def _as_it_is(gate: Gate) -> Gate:
-    return gate
+def _is_labelled(episode: Episode) -> bool:
+    return any(step.label is not None for step in episode.steps)
 
 
-def _around(supervised: Callable[[Gate], Gate], make: Callable[[], Gate]) -> Gate:
-    return supervised(make())
+def _spec_of(task: Task, variant: str, run_seed: int) -> TaskSpec:
+    environment = task.make_for_run(variant, run_seed)
+    environment.close()
+    return environment.spec

@@ -50,12 +50,13 @@ def measure(
 
     `scores` are (n,) the support scores of all states of `episodes`, `losses` (m <= n,) the
     surrogate losses, over the labelled ones, of the policy that drove them. A score that is not a
-    number counts as outside.
+    number counts as outside; without a threshold there is no support to be outside of, and xi is
+    NaN.
     """
     horizon = float(np.mean([len(episode) for episode in episodes]))
     return Bound(
         horizon=horizon,
         epsilon=epsilon,
-        xi=float(np.mean(~(scores >= threshold))),
+        xi=float(np.mean(~(scores >= threshold))) if np.isfinite(threshold) else float("nan"),
         measured=horizon * float(np.mean(losses)) if len(losses) else float("nan"),
     )

@@ -15,7 +15,7 @@ class Film:
         self.info = info
         self.scene = scene
         self.first_pose = first_pose
-        self.trace = GrowingTrace()
+        self.trace = GrowingTrace(info)
         self.steps: list[Step] = []
         self.poses: list[ScenePose] = []
         """after each step"""

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.playback import palette
 from sheath_manip.playback.film import Film
-from sheath_manip.playback.trace import REASONS, Trace
+from sheath_manip.playback.labels import actor_label
+from sheath_manip.playback.trace import Trace
 
 Pictures = Callable[[int], NDArray[np.uint8]]
 """(h, w, 3) RGB of how the scene stands before a step, all of one size"""
@@ -69,9 +70,9 @@ def _fitted(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _words(film: Film, step: int, width: int) -> NDArray[np.uint8]:
     trace = film.trace.so_far()
-    by_expert, reason = bool(trace.by_expert[step]), REASONS[trace.reason[step]]
-    bar = np.full((WORDS_PX, width, 3), palette.turn(by_expert, reason), np.uint8)
-    words = f"{'expert' if by_expert else 'policy'} acts: {reason.value}"
+    actor, reason = trace.who_and_why(step)
+    bar = np.full((WORDS_PX, width, 3), palette.turn(actor, reason), np.uint8)
+    words = f"{actor_label(actor, reason)}: {reason.value}"
     if step + 1 == len(film) and film.outcome is not None:
         bar[:] = palette.OUTCOME[film.outcome]
         words = film.outcome.value
@@ -90,10 +91,7 @@ def _columns(trace: Trace, width: int) -> NDArray[np.intp]:
 
 def _strip(trace: Trace, width: int) -> NDArray[np.uint8]:
     """Who acted and why, over the whole episode."""
-    colours = [
-        palette.turn(bool(trace.by_expert[step]), REASONS[trace.reason[step]])
-        for step in _columns(trace, width)
-    ]
+    colours = [palette.turn(*trace.who_and_why(step)) for step in _columns(trace, width)]
     return np.repeat(np.array([colours], np.uint8), STRIP_PX, axis=0)
 
 

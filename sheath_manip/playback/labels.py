@@ -1,28 +1,35 @@
 """Who acts in a step, in words: one reading of a decision for banner, timeline and film."""
 
-from sheath_manip.cockpit.cockpit import State
-from sheath_manip.types import Reason
+from sheath_manip.types import Actor, Reason
 
-_HOLDS = "robot holds"
-_OTHERS = {
-    Reason.PERSON: "person acts",
-    Reason.IDLE: _HOLDS,
-    Reason.WAITING: _HOLDS,
-    Reason.EMERGENCY_STOP: _HOLDS,
+FALLBACK = "fallback controller"
+_ACTS = {
+    Actor.POLICY: "policy acts",
+    Actor.EXPERT: "expert acts",
+    Actor.OPERATOR: "operator acts",
+    Actor.HOLD: "robot holds",
 }
-"""where the expert's turn is not the expert's own"""
+_BEFORE = {
+    Reason.IDLE: Actor.HOLD,
+    Reason.WAITING: Actor.HOLD,
+    Reason.EMERGENCY_STOP: Actor.HOLD,
+    Reason.NO_ANSWER: Actor.FALLBACK,
+}
+"""for which reasons the expert's turn was not the expert's own in recordings that know only policy
+and expert"""
 
 
-def acting(by_expert: bool, reason: Reason, stand_in: str = State.stand_in) -> str:
-    """Such as "policy acts"; `stand_in` is who acts where no person came."""
-    if not by_expert:
-        return "policy acts"
-    if reason is Reason.NO_ANSWER:
-        return f"{stand_in} acts"
-    return _OTHERS.get(reason, "expert acts")
+def actor_of(actor: Actor, reason: Reason) -> Actor:
+    """Return who acted, also in recordings from before there were more than policy and expert."""
+    return _BEFORE.get(reason, actor) if actor is Actor.EXPERT else actor
 
 
-def acting_and_why(by_expert: bool, reason: Reason) -> str:
-    """As a legend has it: short, and with the reason where there is more than one."""
-    who = acting(by_expert, reason).removesuffix(" acts")
-    return f"{who}: {reason.value}" if by_expert and who != reason.value else who
+def actor_label(actor: Actor, reason: Reason, fallback: str = FALLBACK) -> str:
+    """Return such as "policy acts"; `fallback` is who acts where no person came, in words."""
+    return _ACTS.get(actor_of(actor, reason), f"{fallback} acts")
+
+
+def actor_and_reason_label(actor: Actor, reason: Reason) -> str:
+    """Return what a legend has: short, and with the reason where there is more than one."""
+    who = actor_label(actor, reason).removesuffix(" acts")
+    return f"{who}: {reason.value}" if actor is not Actor.POLICY and who != reason.value else who

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.playback import palette
 from sheath_manip.playback.film import Film
-from sheath_manip.playback.labels import acting_and_why
+from sheath_manip.playback.labels import actor_and_reason_label
 from sheath_manip.playback.trace import REASONS, Trace
 
 TEMPLATE = Path(__file__).with_name("page.html")
@@ -34,14 +34,11 @@ def html(film: Film, video: bytes) -> str:
 
 
 def _facts(film: Film, trace: Trace) -> dict[str, object]:
-    colours = [
-        palette.css(palette.turn(bool(by_expert), REASONS[reason]))
-        for by_expert, reason in zip(trace.by_expert, trace.reason, strict=True)
-    ]
+    whys = [trace.who_and_why(step) for step in range(len(trace))]
+    colours = [palette.css(palette.turn(*why)) for why in whys]
     kinds = list(dict.fromkeys(colours))
     legend = {
-        colour: acting_and_why(bool(by_expert), REASONS[reason])
-        for colour, by_expert, reason in zip(colours, trace.by_expert, trace.reason, strict=True)
+        colour: actor_and_reason_label(*why) for colour, why in zip(colours, whys, strict=True)
     }
     return {
         "task": film.info.task,

@@ -5,7 +5,13 @@ from sheath_manip.types import Actor, Outcome, Reason
 Rgb = tuple[int, int, int]
 
 # Blue, vermillion, purple and yellow of Okabe and Ito, which colour-blind readers can tell apart.
-ACTOR: dict[Actor, Rgb] = {Actor.POLICY: (0, 114, 178), Actor.EXPERT: (213, 94, 0)}
+ACTOR: dict[Actor, Rgb] = {
+    Actor.POLICY: (0, 114, 178),
+    Actor.EXPERT: (213, 94, 0),
+    Actor.OPERATOR: (0, 158, 115),
+    Actor.FALLBACK: (213, 94, 0),
+    Actor.HOLD: (240, 228, 66),
+}
 REASON: dict[Reason, Rgb] = {
     Reason.OUTSIDE: (213, 94, 0),
     Reason.RISK: (150, 60, 130),
@@ -18,7 +24,7 @@ REASON: dict[Reason, Rgb] = {
     Reason.NO_SCORE: (90, 40, 20),
     Reason.INVALID_PROPOSAL: (90, 40, 20),
 }
-"""why the expert acts, where it is not for one of the gate's plain choices"""
+"""why the policy does not act, where it is not for one of the gate's plain choices"""
 OUTCOME: dict[Outcome, Rgb] = {
     Outcome.SUCCESS: (0, 135, 100),
     Outcome.FAILURE: (190, 30, 45),
@@ -39,11 +45,11 @@ def linear(rgb: Rgb) -> Rgb:
     return red, green, blue
 
 
-def turn(by_expert: bool, reason: Reason) -> Rgb:
-    """The colour of a step: who acted, and of the expert's why."""
-    if not by_expert:
+def turn(actor: Actor, reason: Reason) -> Rgb:
+    """Return the colour of a step: who acted, and where that is not the policy, why."""
+    if actor is Actor.POLICY:
         return ACTOR[Actor.POLICY]
-    return REASON.get(reason, ACTOR[Actor.EXPERT])
+    return REASON.get(reason, ACTOR[actor])
 
 
 def css(rgb: Rgb) -> str:

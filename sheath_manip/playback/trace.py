@@ -5,9 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.types import Actor, Reason, ScenePose, Step
+from sheath_manip.metrics import runs_of
+from sheath_manip.types import Actor, EpisodeInfo, Reason, ScenePose, Step, intervened
 
+ACTORS = tuple(Actor)
 REASONS = tuple(Reason)
+POLICY = ACTORS.index(Actor.POLICY)
 FIRST_CAPACITY = 512
 NOWHERE = np.full(3, np.nan)
 
@@ -22,10 +25,10 @@ class Trace:
     """(n,) NaN where the gate has none"""
     threshold: NDArray[np.float64]
     """(n,) NaN where the gate has none"""
-    by_expert: NDArray[np.bool_]
-    """(n,) who acted"""
+    actor: NDArray[np.uint8]
+    """(n,) who acted: place in ACTORS"""
     intervention: NDArray[np.bool_]
-    """(n,) the expert acted while there was a policy that might have"""
+    """(n,) somebody else than the policy acted, though there was one"""
     query: NDArray[np.bool_]
     """(n,) whether there is a label"""
     limited: NDArray[np.bool_]
@@ -45,21 +48,30 @@ class Trace:
     @property
     def turns(self) -> list[tuple[int, int]]:
         """Every intervention as (first step, first step after it)."""
-        edges = np.flatnonzero(np.diff(self.intervention.astype(np.int8), prepend=0, append=0))
-        return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
+        return runs_of(self.intervention)
+
+    @property
+    def by_policy(self) -> NDArray[np.bool_]:
+        """(n,) whether the policy acted."""
+        return self.actor == POLICY
+
+    def who_and_why(self, step: int) -> tuple[Actor, Reason]:
+        """Return who acted in a step, and for which reason."""
+        return ACTORS[self.actor[step]], REASONS[self.reason[step]]
 
 
 class GrowingTrace:
     """A trace that one thread appends to while others look at what is there already."""
 
-    def __init__(self) -> None:
+    def __init__(self, info: EpisodeInfo) -> None:
+        self._info = info
         self._length = 0
         room = FIRST_CAPACITY
         self._columns = Trace(
             time_s=np.zeros(room),
             score=np.zeros(room),
             threshold=np.zeros(room),
-            by_expert=np.zeros(room, bool),
+            actor=np.zeros(room, np.uint8),
             intervention=np.zeros(room, bool),
             query=np.zeros(room, bool),
             limited=np.zeros(room, bool),
@@ -73,13 +85,10 @@ class GrowingTrace:
         if at == len(self._columns):
             self._columns = _doubled(self._columns)
         columns = self._columns
-        by_expert = decision.actor is Actor.EXPERT
-        # An invalid proposal is stored as none at all, though a policy made it.
-        has_policy = step.proposed is not None or decision.reason is Reason.INVALID_PROPOSAL
         columns.time_s[at] = step.observation.time_s
         columns.score[at], columns.threshold[at] = decision.score, decision.threshold
-        columns.by_expert[at] = by_expert
-        columns.intervention[at] = by_expert and has_policy
+        columns.actor[at] = ACTORS.index(decision.actor)
+        columns.intervention[at] = intervened(self._info, step)
         columns.query[at] = step.label is not None
         columns.limited[at] = bool(step.limited)
         columns.reason[at] = REASONS.index(decision.reason)

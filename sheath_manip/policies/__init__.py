@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import Any
 
-from sheath_manip.protocols import Embedding, Policy
+from sheath_manip.protocols import Embedding, TrainablePolicy
 from sheath_manip.registry import Registry
 from sheath_manip.types import TaskSpec
 
 _HERE = "sheath_manip.policies"
 _RECIPES = f"{_HERE}.recipes"
 
-POLICIES: Registry[Callable[..., Policy]] = Registry(
+POLICIES: Registry[Callable[..., TrainablePolicy]] = Registry(
     "policy",
     "sheath.policies",
     {
@@ -71,7 +71,9 @@ EMBEDDINGS: Registry[Callable[[], Embedding]] = Registry(
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
 
 
-def make_policy(name: str, spec: TaskSpec, seed: int = 0, **hyperparameters: Any) -> Policy:
+def make_policy(
+    name: str, spec: TaskSpec, seed: int = 0, **hyperparameters: Any
+) -> TrainablePolicy:
     """A fresh policy of the table; UnknownNameError for a name that is not in it."""
     return POLICIES[name](spec, seed=seed, **hyperparameters)
 

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Policy
+from sheath_manip.policies.looking import look
+from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.types.samples import Samples
 
 
 def held_out_agreement(
-    make_policy: Callable[[], Policy],
+    make_policy: Callable[[], TrainablePolicy],
     samples: Samples,
     folds: int = 3,
     tolerance: float = 0.0,
@@ -49,5 +50,5 @@ def held_out_agreement(
     for number in np.unique(fold):
         out = fold == number
         policy = make_policy().fit(samples.take(~out))
-        losses[out] = policy.surrogate_losses(samples.take(out))
+        losses[out] = look(policy, samples.take(out)).losses
     return losses <= tolerance

@@ -4,7 +4,7 @@ The paper's driving policy is one convolution layer, two fully connected layers 
 the steering angles (`paper-cnn`); three convolution layers (`cnn`) learn faster and embed better.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
@@ -15,17 +15,15 @@ from torch import nn
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import shifted
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.network import ConvNetwork
 from sheath_manip.policies.reconstruction import reconstruction_loss
 from sheath_manip.protocols import Arrays
-from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
-# Large enough to fill the matrix units, small enough that the first layer's output stays in cache.
-INFERENCE_BATCH = 128
 
-
-class ConvPolicy:
+class ConvPolicy(Memoryless):
     """A softmax classifier over `spec.action.choices` from the first camera's image.
 
     The first fit is cold; each later one continues from the present weights with a fresh optimiser.
@@ -153,50 +151,28 @@ class ConvPolicy:
             optimiser.step()
         network.eval()
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) the likeliest choices for (n, h, w, 3) images by camera; features go unused."""
-        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+    def predict(self, observations: Observations) -> Proposal:
+        """Take the likeliest choices; features go unused.
 
-    def choice_scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, k) the softmax over the choices."""
-        del features
-        return self.probabilities(images)
-
-    def act(self, observation: Observation) -> Action:
-        """(a,) the likeliest choice for one observation."""
-        image = _tensor(observation.images[self.camera][None])
-        with torch.inference_mode():
-            return self.choices[int(self._fitted()(image).argmax())].copy()
-
-    def probabilities(self, images: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
-        """(n, k) the softmax over the choices."""
+        Latents: each convolution layer's (n, c, h, w) output as `convolution 0`, `convolution 1`
+        ..., the (n, hidden[-1]) `penultimate` layer, and the (n, k) softmax over the choices as
+        `choice scores`.
+        """
         network = self._fitted()
-        array = images[self.camera]
         with torch.inference_mode():
-            parts = [
-                torch.softmax(network(_tensor(array[i : i + INFERENCE_BATCH])), dim=1)
-                for i in range(0, len(array), INFERENCE_BATCH)
-            ]
-        return torch.cat(parts).numpy() if parts else np.empty((0, len(self.choices)), np.float32)
+            layers = network.activations(_tensor(observations.images[self.camera]))
+            penultimate = network.rectified(layers[-1])
+            logits = network.head(penultimate)
+            scores = torch.softmax(logits, dim=1).numpy()
+        latents = {f"convolution {number}": layer for number, layer in enumerate(layers)}
+        return Proposal(
+            self.choices[logits.numpy().argmax(axis=1)],
+            {**latents, "penultimate": penultimate, "choice scores": scores},
+        )
 
-    def activations(self, images: Mapping[str, NDArray[np.uint8]]) -> list[torch.Tensor]:
-        """[(n, c, h, w)] what each convolution layer makes of the images, all held at once."""
-        with torch.inference_mode():
-            return self._fitted().activations(_tensor(images[self.camera]))
-
-    def penultimate(self, images: Mapping[str, NDArray[np.uint8]]) -> torch.Tensor:
-        """(n, hidden[-1]) the last layer before the logits."""
-        with torch.inference_mode():
-            return self._fitted().penultimate(_tensor(images[self.camera]))
-
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where predicted and labelled controls differ, else 0 (Eq. 8, righted)."""
-        predicted = self.predict(samples.images, samples.features)
-        return zero_one_losses(self.choices, predicted, samples.labels)
+        return zero_one_losses(self.choices, proposal.now, labels)
 
     def untrained(self, seed: int) -> "ConvPolicy":
         """A policy of the same shape with the first weights that belong to `seed`."""

@@ -25,43 +25,31 @@ Two other training runs on more scenes, the policy painting:
 
 from typing import final
 
-import numpy as np
-import torch
-from numpy.typing import NDArray
-from torch.nn import functional
-
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.policies.embeddings import Images, ScaledEmbedding
-from sheath_manip.protocols import Policy
+from sheath_manip.policies.embeddings import ScaledEmbedding
+from sheath_manip.policies.readings import (
+    Latent,
+    LayerOnGrid,
+    MiddleOfLastLayer,
+    ThroughAnotherPolicy,
+)
+from sheath_manip.protocols import Reader, TrainablePolicy
 from sheath_manip.seeding import seed_for
-
-# The share of the last layer's sides that lies around the middle of the image.
-MIDDLE = 0.5
-
-
-class _ConvolutionalEmbedding(ScaledEmbedding):
-    policy: ConvPolicy
-
-    def attach(self, policy: Policy) -> None:
-        if not isinstance(policy, ConvPolicy):
-            raise ParameterError(
-                f"embedding {type(self).__name__} needs a policy with convolutions, "
-                f"cnn or paper-cnn, not {type(policy).__name__}; use the embedding 'pixels'"
-            )
-        self.policy = policy
 
 
 @final
-class Penultimate(_ConvolutionalEmbedding):
+class Penultimate(ScaledEmbedding):
     """The network's last layer before the logits, as in the paper; collapses, kept to compare."""
 
-    def vectors(self, images: Images) -> NDArray[np.float32]:
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
         """(n, hidden[-1])."""
-        return self.policy.penultimate(images).numpy()
+        del policy
+        return (Latent("penultimate"),)
 
 
-class PooledConvolutions(_ConvolutionalEmbedding):
+@final
+class PooledConvolutions(ScaledEmbedding):
     """Every convolution layer's output averaged over a 4x4 grid, one after the other.
 
     With channels (16, 32, 32) these are 1280 numbers.
@@ -69,28 +57,31 @@ class PooledConvolutions(_ConvolutionalEmbedding):
 
     side = 4
 
-    def vectors(self, images: Images) -> NDArray[np.float32]:
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
         """(n, sum(channels) * 16)."""
-        layers = self.policy.activations(images)
-        return np.concatenate([_averaged(layer, self.side) for layer in layers], axis=1)
+        return _pooled(policy, type(self).__name__, self.side)
 
 
 @final
-class RandomConvolutions(PooledConvolutions):
+class RandomConvolutions(ScaledEmbedding):
     """As `PooledConvolutions`, in a network of the policy's shape that never learned anything.
 
     What is left of the policy is its architecture: kept to compare, since a gate need not look
     through what was trained for the action. The weights come from a fixed seed.
     """
 
-    def attach(self, policy: Policy) -> None:
-        """Look through a random network of the policy's shape from now on."""
-        super().attach(policy)
-        self.policy = self.policy.untrained(seed_for("random convolutions"))
+    side = 4
+
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """(n, sum(channels) * 16)."""
+        pooled = _pooled(policy, type(self).__name__, self.side)
+        assert isinstance(policy, ConvPolicy)
+        random = policy.untrained(seed_for("random convolutions"))
+        return tuple(ThroughAnotherPolicy(random, reader) for reader in pooled)
 
 
 @final
-class FovealConvolutions(_ConvolutionalEmbedding):
+class FovealConvolutions(ScaledEmbedding):
     """The last convolution layer around the middle of the image, at its own resolution.
 
     For cameras that move with the robot: what decides the next action is near, and there a metre
@@ -98,13 +89,14 @@ class FovealConvolutions(_ConvolutionalEmbedding):
     layer is 6x6, these are the 2x2 cells that see 7 m around the car: 128 numbers.
     """
 
-    def vectors(self, images: Images) -> NDArray[np.float32]:
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
         """(n, channels[-1] * cells)."""
-        return _middle(self.policy.activations(images)[-1])
+        del policy
+        return (MiddleOfLastLayer(),)
 
 
 @final
-class TwoScaleConvolutions(_ConvolutionalEmbedding):
+class TwoScaleConvolutions(ScaledEmbedding):
     """The last layer around the middle, and the first one's whole view averaged over a 6x6 grid.
 
     The middle alone misses a robot that stands askew, which the course of the road far off shows;
@@ -114,19 +106,16 @@ class TwoScaleConvolutions(_ConvolutionalEmbedding):
 
     side = 6
 
-    def vectors(self, images: Images) -> NDArray[np.float32]:
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
         """(n, channels[-1] * cells + channels[0] * 36)."""
-        layers = self.policy.activations(images)
-        return np.concatenate([_middle(layers[-1]), _averaged(layers[0], self.side)], axis=1)
+        del policy
+        return MiddleOfLastLayer(), LayerOnGrid(0, self.side)
 
 
-def _averaged(layer: torch.Tensor, side: int) -> NDArray[np.float32]:
-    """(n, c * side²) what a layer shows in each cell of a square grid, on average."""
-    return functional.adaptive_avg_pool2d(layer, side).flatten(1).numpy()
-
-
-def _middle(layer: torch.Tensor) -> NDArray[np.float32]:
-    """(n, c * cells) a layer's cells around the middle of the image."""
-    top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
-    middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
-    return middle.flatten(1).numpy()
+def _pooled(policy: TrainablePolicy, name: str, side: int) -> tuple[Reader, ...]:
+    if not isinstance(policy, ConvPolicy):
+        raise ParameterError(
+            f"embedding {name} needs a policy with convolutions, cnn or paper-cnn, not "
+            f"{type(policy).__name__}; use the embedding 'pixels'"
+        )
+    return tuple(LayerOnGrid(number, side) for number in range(len(policy.channels)))

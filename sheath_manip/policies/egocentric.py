@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.policies.tool_view import ToolView
 from sheath_manip.protocols import Arrays
-from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
 SETTINGS: Mapping[str, Any] = {"shift_px": 1, "feature_noise": 0.1}
@@ -18,7 +19,7 @@ SETTINGS: Mapping[str, Any] = {"shift_px": 1, "feature_noise": 0.1}
 left of the features is no habit that could be learned instead of looking"""
 
 
-class EgocentricPolicy:
+class EgocentricPolicy(Memoryless):
     """Regresses in the tool's frame what is to be done there."""
 
     def __init__(
@@ -53,29 +54,31 @@ class EgocentricPolicy:
         self.seeing.fit(self.view.samples(samples))
         return self
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) actions within their bounds, for (n, h, w, 3) images by camera."""
-        camera = self.view.frame.camera
-        seen = {camera: self.view.images(images[camera], features)}
-        actions = self.seeing.predict(seen, self.view.features(features))
-        low, high = self.spec.action.minimum, self.spec.action.maximum
-        return np.clip(self.view.actions_in_world(actions, features), low, high)
+    def predict(self, observations: Observations) -> Proposal:
+        """Regress actions in the tool's frame; return the task's, cut to their bounds.
 
-    def act(self, observation: Observation) -> Action:
-        """(a,) the action for one observation, within its bounds."""
-        images = {name: image[None] for name, image in observation.images.items()}
-        return self.predict(images, observation.features[None])[0]
+        Latents: those of the policy that sees, and what it was shown, as `tool images` (a mapping
+        by camera) and `tool features`.
+        """
+        features = observations.features
+        camera = self.view.frame.camera
+        shown = Observations(
+            {camera: self.view.images(observations.images[camera], features)},
+            self.view.features(features),
+        )
+        seen = self.seeing.predict(shown)
+        low, high = self.spec.action.minimum, self.spec.action.maximum
+        actions = np.clip(self.view.actions_in_world(seen.now, features), low, high)
+        looked_at = {"tool images": shown.images, "tool features": shown.features}
+        return Proposal(actions, {**seen.latents, **looked_at})
 
     def in_own_frame(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
         """(n, a) `actions` as seen from the tool."""
         return self.view.actions(actions, features)
 
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) the largest deviation of any dimension from its label, as a share of its range."""
-        predicted = self.predict(samples.images, samples.features)
-        return largest_deviations(self.spec.action, predicted, samples.labels)
+        return largest_deviations(self.spec.action, proposal.now, labels)
 
     def arrays(self) -> Arrays:
         """Those of the policy that sees."""

@@ -1,78 +1,57 @@
-"""The vectors on which the support is estimated: raw ones, and a scaling fitted to them."""
+"""What the embeddings have in common: readings side by side, and a scaling fitted to them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.policies.cnn import INFERENCE_BATCH
-from sheath_manip.policies.displacement import displaced
 from sheath_manip.policies.scaling import Scaling, Standardisation
-from sheath_manip.protocols import Arrays, Policy
-from sheath_manip.seeding import generator
-from sheath_manip.types.samples import Samples
-
-Images = Mapping[str, NDArray[np.uint8]]
-
-# More displaced images tell no more, and cost a second a thousand.
-MOST_DISPLACED = 3000
+from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.types.seen import Seen
 
 
 class ScaledEmbedding(ABC):
-    """Raw vectors and the scaling fitted to them.
+    """Readings of the policy's looks, side by side, and the scaling fitted to them.
 
-    It looks through the policy it was fitted on: after the policy's next fit, fit it again.
+    It reads the policy that it was attached to: after the policy's next fit, fit it again.
     """
 
     def __init__(self, scaling: Scaling | None = None) -> None:
         self.scaling: Scaling = Standardisation() if scaling is None else scaling
+        self._policy: TrainablePolicy | None = None
+        self._readers: tuple[Reader, ...] = ()
+
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether the scaling contrasts with states that the robot never was in."""
+        return self.scaling.uses_displaced
 
     @abstractmethod
-    def attach(self, policy: Policy) -> None:
-        """Look through `policy` from now on; ParameterError where it lacks what is needed."""
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Return what is read of a look; ParameterError where the policy lacks what is needed."""
 
-    @abstractmethod
-    def vectors(self, images: Images) -> NDArray[np.float32]:
-        """(n, d) raw vectors of at most `INFERENCE_BATCH` images by camera."""
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read looks of `policy` from now on; return all that is to be read of each."""
+        if policy is not self._policy:
+            self._policy, self._readers = policy, self.readers(policy)
+        return self._readers
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Fit the scaling to the training states of `policy`, and to displaced ones if it asks."""
-        self.attach(policy)
-        vectors = self._all_vectors(samples.images)
-        if self.scaling.uses_displaced:
-            count = min(MOST_DISPLACED, 2 * len(samples))
-            elsewhere = displaced(samples.images, generator("displaced images"), count)
-            self.scaling.fit(vectors, self._all_vectors(elsewhere))
-        else:
-            self.scaling.fit(vectors)
+    def fit(self, seen: Seen) -> Self:
+        """Fit the scaling to the training states, and to displaced ones if it asks."""
+        elsewhere = None if seen.displaced is None else seen.displaced.of(self._readers)
+        self.scaling.fit(seen.of(self._readers), elsewhere if self.uses_displaced else None)
         return self
 
-    def transform(self, images: Images, features: NDArray) -> NDArray[np.float32]:
-        """(n, k) scaled vectors for (n, h, w, 3) images by camera; the features go unused."""
-        del features
-        return self.scaling.transform(self._all_vectors(images))
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
+        """(n, k) scaled vectors."""
+        return self.scaling.transform(seen.of(self._readers))
 
     def arrays(self) -> Arrays:
         """The scaling's learned state."""
         return self.scaling.arrays()
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.attach(policy)
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
         self.scaling.load(arrays)
         return self
-
-    def _all_vectors(self, images: Images) -> NDArray[np.float32]:
-        count = len(next(iter(images.values())))
-        if count <= INFERENCE_BATCH:
-            return self.vectors(images)
-        return np.concatenate(
-            [
-                self.vectors(
-                    {camera: array[i : i + INFERENCE_BATCH] for camera, array in images.items()}
-                )
-                for i in range(0, count, INFERENCE_BATCH)
-            ]
-        )

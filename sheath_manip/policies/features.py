@@ -1,48 +1,27 @@
 """The observation's features as the vector on which the support is estimated."""
 
-from collections.abc import Mapping
 from typing import Self, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.policies.scaling import Standardisation
-from sheath_manip.protocols import Arrays, Policy
-from sheath_manip.types.samples import Samples
+from sheath_manip.policies.embeddings import ScaledEmbedding
+from sheath_manip.policies.readings import ObservedFeatures
+from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.types.seen import Seen
 
 
 @final
-class ScaledFeatures:
+class ScaledFeatures(ScaledEmbedding):
     """`Observation.features`, each in units of its own spread; needs nothing of the policy.
 
     For features of different units, such as angles beside metres.
     """
 
-    def __init__(self) -> None:
-        self.scaling = Standardisation()
-
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Fit the scaling to the training states."""
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """(n, f)."""
         del policy
-        self.scaling.fit(samples.features)
-        return self
-
-    def transform(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, f) the scaled features; the images go unused."""
-        del images
-        return self.scaling.transform(features)
-
-    def arrays(self) -> Arrays:
-        """The scaling's learned state."""
-        return self.scaling.arrays()
-
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()`."""
-        del policy
-        self.scaling.load(arrays)
-        return self
+        return (ObservedFeatures(),)
 
 
 @final
@@ -54,23 +33,27 @@ class Features:
     they hold what only the simulator knows, the support would be estimated on that.
     """
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
+    uses_displaced = False
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read the features alone."""
+        del policy
+        return ()
+
+    def fit(self, seen: Seen) -> Self:
         """There is nothing to learn."""
-        del policy, samples
+        del seen
         return self
 
-    def transform(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, f) the features; the images go unused."""
-        del images
-        return np.asarray(features, dtype=np.float32)
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
+        """(n, f) the features."""
+        return np.asarray(seen.features, dtype=np.float32)
 
     def arrays(self) -> Arrays:
-        """None."""
+        """Nothing is learned."""
         return {}
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
+    def load(self, arrays: Arrays) -> Self:
         """There is nothing to take over."""
-        del policy, arrays
+        del arrays
         return self

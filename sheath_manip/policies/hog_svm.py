@@ -15,15 +15,16 @@ from sklearn.svm import LinearSVC
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.protocols import Arrays
-from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
 CELLS_PER_BLOCK = 2
 ORIENTATIONS = 9
 
 
-class HogSvm:
+class HogSvm(Memoryless):
     """A linear classifier over `spec.action.choices` on the first camera's oriented gradients."""
 
     def __init__(
@@ -78,23 +79,14 @@ class HogSvm:
         self.biases_[seen] = (signs * np.reshape(machine.intercept_, (-1, 1)))[:, 0]
         return self
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) the best choices for (n, h, w, 3) images by camera; features go unused."""
-        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+    def predict(self, observations: Observations) -> Proposal:
+        """Take the best choices; features go unused.
 
-    def choice_scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, k) the machines' scores, -inf for a choice that no label asked for."""
-        del features
-        return self.gradients(images) @ self._fitted().T + self.biases_
-
-    def act(self, observation: Observation) -> Action:
-        """(a,) the best choice for one observation."""
-        scores = self._fitted() @ self._gradients_of(observation.images[self.camera])
-        return self.choices[int((scores + self.biases_).argmax())].copy()
+        Latents: the machines' scores as (n, k) `choice scores`, -inf for a choice that no label
+        asked for.
+        """
+        scores = self.gradients(observations.images) @ self._fitted().T + self.biases_
+        return Proposal(self.choices[scores.argmax(axis=1)], {"choice scores": scores})
 
     def gradients(self, images: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(n, d) histograms of oriented gradients."""
@@ -103,10 +95,9 @@ class HogSvm:
         size = ORIENTATIONS * (cells - 1) ** 2 * CELLS_PER_BLOCK**2
         return np.stack(rows) if rows else np.empty((0, size), dtype=np.float32)
 
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where predicted and labelled controls differ, else 0 (Eq. 8, righted)."""
-        predicted = self.predict(samples.images, samples.features)
-        return zero_one_losses(self.choices, predicted, samples.labels)
+        return zero_one_losses(self.choices, proposal.now, labels)
 
     def arrays(self) -> Arrays:
         """Weights (k, d) and biases (k,)."""

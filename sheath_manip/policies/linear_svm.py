@@ -5,7 +5,6 @@ no-regret online learning', section 5.2 (Super Mario Bros.). Each problem is con
 the same machines wherever it begins.
 """
 
-from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
@@ -13,9 +12,10 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.protocols import Arrays
-from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
 PENALTIES = (0.01, 0.03, 0.1, 0.3, 1.0)
@@ -25,7 +25,7 @@ PENALTY_UNTRIED = 0.1
 """C for states of a single episode, of which none can be held out"""
 
 
-class LinearSvm:
+class LinearSvm(Memoryless):
     """Presses those buttons whose machines speak for it, as far as they are an admissible action.
 
     A button is a dimension of the action that is at its minimum or maximum. Of the admissible
@@ -67,30 +67,18 @@ class LinearSvm:
         start = self.machines_ if hasattr(self, "machines_") else None
         return self._take(_machines(rows, signs, self.penalty_, start))
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) admissible actions for (n, f) features; images go unused."""
-        return self.choices[self.choice_scores(images, features).argmax(axis=1)]
+    def predict(self, observations: Observations) -> Proposal:
+        """Take admissible actions by the features; images go unused.
 
-    def choice_scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.floating]:
-        """(n, k) the sums of the buttons' scores, signed."""
-        del images
+        Latents: the sums of the buttons' scores, signed, as (n, k) `choice scores`.
+        """
         weights, biases = self._fitted()
-        return (features @ weights.T + biases) @ self._signs.T
+        scores = (observations.features @ weights.T + biases) @ self._signs.T
+        return Proposal(self.choices[scores.argmax(axis=1)], {"choice scores": scores})
 
-    def act(self, observation: Observation) -> Action:
-        """(a,) the admissible action for one observation."""
-        weights, biases = self._fitted()
-        scores = weights @ observation.features + biases
-        return self.choices[int((self._signs @ scores).argmax())].copy()
-
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where any button differs from its label, else 0 (Eq. 8, righted)."""
-        predicted = self.predict(samples.images, samples.features)
-        return zero_one_losses(self.choices, predicted, samples.labels)
+        return zero_one_losses(self.choices, proposal.now, labels)
 
     def feature_weights(self) -> NDArray[np.float32]:
         """(f,) the norm of a feature's weights over all machines."""

@@ -15,7 +15,7 @@ KERNELS = ((8, 4), (4, 2), (3, 2))
 class ConvNetwork(nn.Module):
     """Convolutions, fully connected hidden layers and one logit a class, with ReLU between.
 
-    Takes (n, h, w, 3) uint8 images; `activations` and `penultimate` give what lies inside. With
+    Takes (n, h, w, 3) uint8 images; `activations` and `rectified` give what lies inside. With
     `reconstructs` a `decoder` paints the image back from the last convolution layer in training.
     """
 
@@ -75,19 +75,16 @@ class ConvNetwork(nn.Module):
             outputs.append(inputs)
         return outputs
 
-    def penultimate(self, images: torch.Tensor, dtype=torch.float32) -> torch.Tensor:
-        """(n, hidden[-1]) the last layer before the logits, after its ReLU."""
-        return self._rectified(self.activations(images, dtype)[-1])
-
     def logits(self, last: torch.Tensor) -> torch.Tensor:
         """(n, classes) of the last convolution layer's (n, c, h, w) output."""
-        return self.head(self._rectified(last))
+        return self.head(self.rectified(last))
 
     def forward(self, images: torch.Tensor, dtype=torch.float32) -> torch.Tensor:
         """(n, classes) logits."""
         return self.logits(self.activations(images, dtype)[-1])
 
-    def _rectified(self, last: torch.Tensor) -> torch.Tensor:
+    def rectified(self, last: torch.Tensor) -> torch.Tensor:
+        """(n, hidden[-1]) the last layer before the logits, of the last convolution layer."""
         outputs = last.flatten(1)
         for layer in self.hidden:
             outputs = torch.relu(layer(outputs))

@@ -2,14 +2,11 @@
 
 from typing import final
 
-import cv2
-import numpy as np
-from numpy.typing import NDArray
-
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.embeddings import Images, ScaledEmbedding
+from sheath_manip.policies.embeddings import ScaledEmbedding
+from sheath_manip.policies.readings import ShrunkPixels
 from sheath_manip.policies.scaling import Scaling
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import Reader, TrainablePolicy
 
 
 @final
@@ -36,27 +33,7 @@ class Pixels(ScaledEmbedding):
         self.side = side
         self.middle = middle
 
-    def attach(self, policy: Policy) -> None:
-        """Any policy will do."""
-
-    def vectors(self, images: Images) -> NDArray[np.float32]:
-        """(n, cameras * 3 side²), each 0..1, the cameras in the order of their names."""
-        size = (self.side, self.side)
-        by_camera = [
-            np.stack(
-                [
-                    cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-                    for image in self._middle(images[name])
-                ]
-            )
-            for name in sorted(images)
-        ]
-        flat = [
-            array.reshape(len(array), -1).astype(np.float32) / np.float32(255)
-            for array in by_camera
-        ]
-        return np.concatenate(flat, axis=1)
-
-    def _middle(self, images: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        top, left = (round(side * (1 - self.middle) / 2) for side in images.shape[1:3])
-        return images[:, top : images.shape[1] - top, left : images.shape[2] - left]
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """(n, cameras * 3 side²)."""
+        del policy
+        return (ShrunkPixels(self.side, self.middle),)

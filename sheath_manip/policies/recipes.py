@@ -15,7 +15,7 @@ from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions, ImagePoints
-from sheath_manip.policies.tool_view_embedding import SeenFromTool
+from sheath_manip.policies.tool_view_embedding import FromTool
 from sheath_manip.protocols import Embedding
 
 # For the action alone, without the painting, the lower rate is enough.
@@ -101,26 +101,26 @@ def pixels_and_features() -> SideBySide:
     return _and_features(Pixels(Whitening(), side=12))
 
 
-def tool_points() -> SeenFromTool:
+def tool_points() -> FromTool:
     """Where the policy looks, in the tool's frame."""
-    return SeenFromTool(ImagePoints())
+    return FromTool(ImagePoints())
 
 
-def tool_points_whitened() -> SeenFromTool:
+def tool_points_whitened() -> FromTool:
     """Where the policy looks, in the tool's frame, whitened."""
-    return SeenFromTool(ImagePoints(Whitening()))
+    return FromTool(ImagePoints(Whitening()))
 
 
-def tool_convolutions() -> SeenFromTool:
+def tool_convolutions() -> FromTool:
     """The convolutions of the picture in the tool's frame."""
-    return SeenFromTool(CameraConvolutions())
+    return FromTool(CameraConvolutions())
 
 
-def tool_convolutions_whitened() -> SeenFromTool:
+def tool_convolutions_whitened() -> FromTool:
     """The convolutions of the picture in the tool's frame, whitened."""
-    return SeenFromTool(CameraConvolutions(Whitening()))
+    return FromTool(CameraConvolutions(Whitening()))
 
 
-def tool_pixels() -> SeenFromTool:
+def tool_pixels() -> FromTool:
     """The picture in the tool's frame itself, small and whitened."""
-    return SeenFromTool(Pixels(Whitening(), side=12))
+    return FromTool(Pixels(Whitening(), side=12))

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.nested_arrays import part, prefixed
-from sheath_manip.policies.embeddings import Images
-from sheath_manip.protocols import Arrays, Embedding, Policy
-from sheath_manip.types.samples import Samples
+from sheath_manip.policies.readings import each_once
+from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
+from sheath_manip.types.seen import Seen
 
 
 @final
@@ -34,22 +34,32 @@ class SideBySide:
         self.embeddings = embeddings
         self.weights = weights
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Fit every part, and its unit, to the training states of `policy`."""
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether any part does."""
+        return any(embedding.uses_displaced for embedding in self.embeddings.values())
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read for every part; equal readers read once."""
+        return each_once(
+            reader for embedding in self.embeddings.values() for reader in embedding.attach(policy)
+        )
+
+    def fit(self, seen: Seen) -> Self:
+        """Fit every part, and its unit, to the training states."""
         self.factors_ = {}
         for name, embedding in self.embeddings.items():
-            embedding.fit(policy, samples)
-            vectors = embedding.transform(samples.images, samples.features)
+            vectors = embedding.fit(seen).transform(seen)
             spread = float(vectors.var(axis=0, dtype=np.float64).sum())
             # A part in which nothing moved has no unit, and no say in what is near.
             factor = np.sqrt(self.weights[name] / spread) if spread > 0 else 1.0
             self.factors_[name] = np.float32(factor)
         return self
 
-    def transform(self, images: Images, features: NDArray) -> NDArray[np.float32]:
-        """(n, sum of the parts' numbers) for (n, h, w, 3) images by camera and (n, f) features."""
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
+        """(n, sum of the parts' numbers) vectors."""
         parts = [
-            self.factors_[name] * embedding.transform(images, features)
+            self.factors_[name] * embedding.transform(seen)
             for name, embedding in self.embeddings.items()
         ]
         return np.concatenate(parts, axis=1)
@@ -60,10 +70,10 @@ class SideBySide:
         factors = {f"factor/{name}": np.array(factor) for name, factor in self.factors_.items()}
         return {**prefixed(learned), **factors}
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
         for name, embedding in self.embeddings.items():
-            embedding.load(policy, part(arrays, name))
+            embedding.load(part(arrays, name))
         factors = part(arrays, "factor")
         self.factors_ = {name: np.float32(factors[name]) for name in self.embeddings}
         return self

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.nested_arrays import part, prefixed
 from sheath_manip.policies.choices import choices_of, nearest_choices
-from sheath_manip.protocols import Arrays, Policy
-from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.protocols import Arrays, TrainablePolicy
+from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
 
@@ -56,7 +56,7 @@ class SmileMixture:
             member: name of the policies that are mixed.
             alpha: in (0, 1), the newest policy's share of what was the expert's.
             member_settings: their hyperparameters.
-            seed: of the first weights of each, and of the draws before `draw_from`.
+            seed: of the first weights of each, and of the draws before the first `reset`.
         """
         if not 0 < alpha < 1:
             raise ParameterError(f"alpha is {alpha}; wanted a share between 0 and 1, like 0.1")
@@ -65,12 +65,12 @@ class SmileMixture:
         self.alpha = alpha
         self.member_settings = dict(member_settings or {})
         self.seed = seed
-        self.members_: list[Policy] = []
+        self.members_: list[TrainablePolicy] = []
         self._rng = np.random.default_rng(seed)
         self._fresh()
 
-    def draw_from(self, rng: np.random.Generator) -> None:
-        """Draw from `rng` from now on."""
+    def reset(self, rng: np.random.Generator) -> None:
+        """Begin an episode: draw from `rng` from now on."""
         self._rng = rng
 
     def fit(self, samples: Samples) -> Self:
@@ -84,39 +84,46 @@ class SmileMixture:
         self.members_.append(newest.fit(samples))
         return self
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) the likeliest actions: those with the most weight behind them, nothing drawn."""
+    def predict(self, observations: Observations) -> Proposal:
+        """Take the likeliest actions: those with the most weight behind them, nothing drawn.
+
+        Latents: what each member says as (n, m, a) `members`, and in tasks with choices the (n, k)
+        chance of each to be drawn as `choice scores`.
+        """
         weights = self.weights()
-        said = np.stack([member.predict(images, features) for member in self.members_])
+        said = np.stack([member.predict(observations).now for member in self.members_])
         same = (said[:, None] == said[None]).all(axis=3)
         support = np.einsum("j,ijn->in", weights, same)
-        return said[support.argmax(axis=0), np.arange(said.shape[1])]
+        likeliest = said[support.argmax(axis=0), np.arange(said.shape[1])]
+        latents = {"members": said.swapaxes(0, 1)}
+        if self.spec.action.choices is not None:
+            latents["choice scores"] = self._chances(said)
+        return Proposal(likeliest, latents)
 
-    def choice_scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
-        """(n, k) the chance of each choice to be drawn; ParameterError where there are none."""
-        choices = choices_of(self.spec)
-        chances = np.zeros((len(features), len(choices)))
-        rows = np.arange(len(features))
-        for weight, member in zip(self.weights(), self.members_, strict=True):
-            said = nearest_choices(choices, member.predict(images, features))
-            chances[rows, said] += weight
-        return chances
-
-    def act(self, observation: Observation) -> Action:
-        """(a,) what the policy says that is drawn for this step."""
+    def propose(self, observations: Observations) -> Proposal:
+        """Propose what the policy says that is drawn for this step."""
         weights = self.weights()
         # By the cumulated weights, which `choice` would check anew at each step.
         drawn = int(np.searchsorted(np.cumsum(weights), self._rng.random(), side="right"))
-        return self.members_[min(drawn, len(weights) - 1)].act(observation)
+        return self.members_[min(drawn, len(weights) - 1)].propose(observations)
 
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
-        """(n,) the expected losses of the draw."""
-        losses = [member.surrogate_losses(samples) for member in self.members_]
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
+        """(n,) the expected losses of the draw; where a draw was made, those of that one."""
+        if "members" not in proposal.latents:
+            return self.members_[0].surrogate_losses(proposal, labels)
+        losses = [
+            member.surrogate_losses(Proposal(proposal.latents["members"][:, number]), labels)
+            for number, member in enumerate(self.members_)
+        ]
         return (self.weights() @ np.stack(losses)).astype(np.float32)
+
+    def _chances(self, said: NDArray) -> NDArray[np.float64]:
+        choices = choices_of(self.spec)
+        chances = np.zeros((said.shape[1], len(choices)))
+        rows = np.arange(said.shape[1])
+        for weight, actions in zip(self.weights(), said, strict=True):
+            chances[rows, nearest_choices(choices, actions)] += weight
+        return chances
 
     def weights(self) -> NDArray[np.float64]:
         """(n,) the chances of the n policies, the first round's first."""
@@ -135,7 +142,7 @@ class SmileMixture:
         self.members_ = [self._fresh().load(part(arrays, str(number))) for number in numbers]
         return self
 
-    def _fresh(self) -> Policy:
+    def _fresh(self) -> TrainablePolicy:
         # Only now: the table of policies lists this one.
         from sheath_manip.policies import make_policy
 

@@ -1,6 +1,6 @@
 """A convolution network that regresses continuous actions on all cameras and the features."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
@@ -11,17 +11,15 @@ from torch.nn import functional
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import reflected, shifted
 from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
 from sheath_manip.protocols import Arrays
-from sheath_manip.types import Action, Observation, TaskSpec
+from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
-# As many as keep the first layer's output in cache.
-INFERENCE_BATCH = 128
 
-
-class SpatialPolicy:
+class SpatialPolicy(Memoryless):
     """Least squares from the images of all cameras and the features to the expert's action.
 
     Where the task knows no difference between left and right, half of each batch is its own mirror
@@ -149,37 +147,25 @@ class SpatialPolicy:
             optimiser.step()
         network.eval()
 
-    def predict(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, a) actions within their bounds, for (n, h, w, 3) images by camera."""
-        network, scaled = self._fitted(), self.scaling_.transform(features)
-        outputs = np.empty((len(scaled), len(self.spec.action.names)), np.float32)
+    def predict(self, observations: Observations) -> Proposal:
+        """Regress actions, cut to their bounds.
+
+        Latents: by camera the last convolution layer's (n, c, h, w) output, as `convolution NAME`.
+        """
+        network, scaled = self._fitted(), self.scaling_.transform(observations.features)
+        images = {name: tensor_of(observations.images[name]) for name in network.eyes}
         with torch.inference_mode():
-            for first in range(0, len(scaled), INFERENCE_BATCH):
-                batch = slice(first, first + INFERENCE_BATCH)
-                shown = {name: tensor_of(images[name][batch]) for name in network.eyes}
-                outputs[batch] = network(shown, torch.from_numpy(scaled[batch])).numpy()
-        return self._from_unit(outputs)
+            layers = network.activations(images)
+            outputs = network.outputs(layers, torch.from_numpy(scaled)).numpy()
+        latents = {f"convolution {name}": layer for name, layer in layers.items()}
+        return Proposal(self._from_unit(outputs), latents)
 
-    def act(self, observation: Observation) -> Action:
-        """(a,) the action for one observation, within its bounds."""
-        images = {name: image[None] for name, image in observation.images.items()}
-        return self.predict(images, observation.features[None])[0]
-
-    def activations(self, images: Mapping[str, NDArray[np.uint8]]) -> dict[str, torch.Tensor]:
-        """(n, c, h, w) by camera: the last convolution layer's output, all held at once."""
-        network = self._fitted()
-        with torch.inference_mode():
-            return network.activations({name: tensor_of(images[name]) for name in network.eyes})
-
-    def surrogate_losses(self, samples: Samples) -> NDArray[np.float32]:
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) the largest deviation of any dimension from its label, as a share of its range.
 
         Up to `ActionSpec.tolerance` it counts as doing what the expert would.
         """
-        predicted = self.predict(samples.images, samples.features)
-        return largest_deviations(self.spec.action, predicted, samples.labels)
+        return largest_deviations(self.spec.action, proposal.now, labels)
 
     def arrays(self) -> Arrays:
         """The weights by layer, the scaling of the features and the number of fits so far."""

@@ -19,47 +19,29 @@ from the wrist matters: a fixed camera's view is drowned by the new scene.
 
 from typing import final
 
-import numpy as np
-import torch
-from numpy.typing import NDArray
-from torch.nn import functional
-
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.embeddings import Images, ScaledEmbedding
+from sheath_manip.policies.embeddings import ScaledEmbedding
+from sheath_manip.policies.readings import CamerasOnGrid, PointsOfCameras
 from sheath_manip.policies.scaling import Scaling
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
-from sheath_manip.policies.spatial_network import image_points
-from sheath_manip.protocols import Policy
-
-
-class _SpatialEmbedding(ScaledEmbedding):
-    policy: SpatialPolicy
-
-    def attach(self, policy: Policy) -> None:
-        if not isinstance(policy, SpatialPolicy):
-            raise ParameterError(
-                f"embedding {type(self).__name__} needs a policy with convolutions of every "
-                f"camera, spatial-cnn, not {type(policy).__name__}; use the embedding 'pixels'"
-            )
-        self.policy = policy
+from sheath_manip.protocols import Reader, TrainablePolicy
 
 
 @final
-class ImagePoints(_SpatialEmbedding):
+class ImagePoints(ScaledEmbedding):
     """Where each channel of the last convolution layer responds, in every camera's image.
 
     The policy's own bottleneck, but one that keeps the space: 64 numbers a camera with 32 channels.
     """
 
-    def vectors(self, images: Images) -> NDArray[np.float32]:
-        """(n, cameras * 2 channels[-1]), the cameras in the order of their names."""
-        layers = self.policy.activations(images)
-        points = [image_points(layers[name]) for name in sorted(layers)]
-        return torch.cat(points, dim=1).numpy()
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """(n, cameras * 2 channels[-1])."""
+        _require_spatial(policy, type(self).__name__)
+        return (PointsOfCameras(),)
 
 
 @final
-class CameraConvolutions(_SpatialEmbedding):
+class CameraConvolutions(ScaledEmbedding):
     """The last convolution layer of every camera, or of some, averaged over a square grid."""
 
     def __init__(
@@ -76,21 +58,22 @@ class CameraConvolutions(_SpatialEmbedding):
         self.side = side
         self.cameras = cameras
 
-    def attach(self, policy: Policy) -> None:
-        """Look through `policy`; ParameterError where it has no such camera."""
-        super().attach(policy)
+    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """(n, cameras * channels[-1] * side²); ParameterError where there is no such camera."""
+        spatial = _require_spatial(policy, type(self).__name__)
         for name in self.cameras:
-            if name not in self.policy.spec.cameras:
+            if name not in spatial.spec.cameras:
                 raise ParameterError(
-                    f"{self.policy.spec.name} has no camera {name!r}; it has "
-                    f"{', '.join(sorted(self.policy.spec.cameras))}"
+                    f"{spatial.spec.name} has no camera {name!r}; it has "
+                    f"{', '.join(sorted(spatial.spec.cameras))}"
                 )
+        return (CamerasOnGrid(self.side, self.cameras),)
 
-    def vectors(self, images: Images) -> NDArray[np.float32]:
-        """(n, cameras * channels[-1] * side²), the cameras in the order of their names."""
-        layers = self.policy.activations(images)
-        pooled = [
-            functional.adaptive_avg_pool2d(layers[name], self.side).flatten(1)
-            for name in self.cameras or sorted(layers)
-        ]
-        return torch.cat(pooled, dim=1).numpy()
+
+def _require_spatial(policy: TrainablePolicy, name: str) -> SpatialPolicy:
+    if not isinstance(policy, SpatialPolicy):
+        raise ParameterError(
+            f"embedding {name} needs a policy with convolutions of every camera, spatial-cnn, not "
+            f"{type(policy).__name__}; use the embedding 'pixels'"
+        )
+    return policy

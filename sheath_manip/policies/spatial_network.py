@@ -87,9 +87,12 @@ class SpatialNetwork(nn.Module):
         self, images: Mapping[str, torch.Tensor], features: torch.Tensor, dtype=torch.float32
     ) -> torch.Tensor:
         """(n, outputs)."""
-        layers = self.activations(images, dtype).values()
-        points = [image_points(layer) for layer in layers]
-        cells = torch.cat([torch.relu(layer).flatten(1) for layer in layers], dim=1)
+        return self.outputs(self.activations(images, dtype), features)
+
+    def outputs(self, layers: Mapping[str, torch.Tensor], features: torch.Tensor) -> torch.Tensor:
+        """(n, outputs) of the cameras' `activations`."""
+        points = [image_points(layer) for layer in layers.values()]
+        cells = torch.cat([torch.relu(layer).flatten(1) for layer in layers.values()], dim=1)
         seen = torch.relu(self.look(cells)).float()
         outputs = torch.cat([*points, seen, features], dim=1)
         for layer in self.hidden:

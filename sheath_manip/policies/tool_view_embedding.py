@@ -7,46 +7,60 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.egocentric import EgocentricPolicy
-from sheath_manip.policies.embeddings import Images
-from sheath_manip.protocols import Arrays, Embedding, Policy
-from sheath_manip.types.samples import Samples
+from sheath_manip.policies.embeddings import ScaledEmbedding
+from sheath_manip.policies.readings import SeenFromTool
+from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.types.seen import Seen
 
 
 @final
-class SeenFromTool:
+class FromTool:
     """Another embedding, which is shown what the egocentric policy sees, and looks through it."""
 
-    def __init__(self, embedding: Embedding) -> None:
-        self.embedding = embedding
+    uses_displaced = False
+    """what is displaced are whole images, from which a tool's view would be taken in turn"""
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Fit to the training states of `policy`; ParameterError where that is not egocentric."""
-        self.policy = _egocentric(policy)
-        self.embedding.fit(self.policy.seeing, self.policy.view.samples(samples))
+    def __init__(self, embedding: ScaledEmbedding) -> None:
+        """Store the embedding; ParameterError for one that contrasts with displaced images."""
+        if embedding.uses_displaced:
+            raise ParameterError("a tool's view has no displaced images; wanted another scaling")
+        self.embedding = embedding
+        self._readers: tuple[Reader, ...] = ()
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read looks of `policy`; ParameterError where that is not egocentric."""
+        if not isinstance(policy, EgocentricPolicy):
+            raise ParameterError(
+                "an embedding of what is seen from the tool needs the policy egocentric-cnn, "
+                f"not {type(policy).__name__}; use the embedding 'pixels'"
+            )
+        inner = self.embedding.attach(policy.seeing)
+        self._readers = tuple(SeenFromTool(reader) for reader in inner)
+        return self._readers
+
+    def fit(self, seen: Seen) -> Self:
+        """Fit to the training states."""
+        self.embedding.fit(self._shown(seen))
         return self
 
-    def transform(self, images: Images, features: NDArray) -> NDArray[np.float32]:
-        """(n, d) for (n, h, w, 3) images by camera and (n, f) features."""
-        view = self.policy.view
-        camera = view.frame.camera
-        seen = {camera: view.images(images[camera], features)}
-        return self.embedding.transform(seen, view.features(features))
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
+        """(n, d) vectors."""
+        return self.embedding.transform(self._shown(seen))
 
     def arrays(self) -> Arrays:
         """The other embedding's."""
         return self.embedding.arrays()
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.policy = _egocentric(policy)
-        self.embedding.load(self.policy.seeing, arrays)
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.embedding.load(arrays)
         return self
 
-
-def _egocentric(policy: Policy) -> EgocentricPolicy:
-    if not isinstance(policy, EgocentricPolicy):
-        raise ParameterError(
-            "an embedding of what is seen from the tool needs the policy egocentric-cnn, "
-            f"not {type(policy).__name__}; use the embedding 'pixels'"
-        )
-    return policy
+    def _shown(self, seen: Seen) -> Seen:
+        """As the other embedding knows its readings."""
+        readings = {
+            reader.reader: seen.readings[reader]
+            for reader in self._readers
+            if isinstance(reader, SeenFromTool)
+        }
+        return Seen(seen.features, seen.actions, readings)

@@ -1,14 +1,13 @@
 """The observation's features, each as large as the policy makes it: a learned metric."""
 
-from collections.abc import Mapping
 from typing import Protocol, Self, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Arrays, Policy
-from sheath_manip.types.samples import Samples
+from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.types.seen import Seen
 
 
 @runtime_checkable
@@ -30,32 +29,35 @@ class WeightedFeatures:
     which cancel out today, and need not after the next fit, count all the same.
     """
 
-    def fit(self, policy: Policy, samples: Samples) -> Self:
-        """Take the weights; ParameterError where the policy tells none."""
-        del samples
+    uses_displaced = False
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Weigh as `policy` does; ParameterError where it does not tell."""
         if not isinstance(policy, LooksAtFeatures):
             raise ParameterError(
                 f"{type(policy).__name__} does not say what it makes of each feature; wanted a "
                 "policy with feature_weights(), like linear-svm, or the embedding features"
             )
-        weights = policy.feature_weights()
+        self._policy: LooksAtFeatures = policy
+        return ()
+
+    def fit(self, seen: Seen) -> Self:
+        """Take the weights as they are now."""
+        del seen
+        weights = self._policy.feature_weights()
         # No unit follows from a margin: that of the heaviest feature is as good as any.
         self.scale_ = weights / max(float(weights.max()), 1e-12)
         return self
 
-    def transform(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float32]:
-        """(n, f) the weighted features; the images go unused."""
-        del images
-        return np.asarray(features, dtype=np.float32) * self.scale_
+    def transform(self, seen: Seen) -> NDArray[np.float32]:
+        """(n, f) the weighted features."""
+        return np.asarray(seen.features, dtype=np.float32) * self.scale_
 
     def arrays(self) -> Arrays:
         """The (f,) scale."""
         return {"scale": self.scale_}
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
+    def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
-        del policy
         self.scale_ = np.asarray(arrays["scale"], dtype=np.float32)
         return self

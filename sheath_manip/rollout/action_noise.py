@@ -1,4 +1,4 @@
-"""Demonstrations by an expert whose hand is pushed about, and who always says what is right.
+"""DART: the expert's actions are executed with noise and labelled without it.
 
 Laskey et al. 2017, 'DART: Noise injection for robust imitation learning' (CoRL): the expert's
 action is executed with noise and labelled without, so that the demonstrations show the way back
@@ -10,7 +10,7 @@ import numpy as np
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Expert
-from sheath_manip.types import Action, ActionSpec, Observation
+from sheath_manip.types import ActionSpec, Observation, Observations, Proposal
 
 CORRELATION_STEPS = 5.0
 """after which a push has fallen to 1/e: a push that changes its mind at each step leads nowhere"""
@@ -35,16 +35,22 @@ class DisturbedExpert:
         self._rng = np.random.default_rng(0)
         self._push = np.zeros(len(action.names))
 
-    def draw_from(self, rng: np.random.Generator) -> None:
-        """Take all pushes from `rng` from now on, and begin with a fresh one."""
+    def reset(self, rng: np.random.Generator) -> None:
+        """Begin an episode: take all pushes from `rng` from now on, the first one at once."""
         self._rng = rng
         self._push = rng.standard_normal(len(self._push))
 
-    def act(self, observation: Observation) -> Action:
-        """(a,) the expert's action and the present push, within the bounds."""
+    def follow(self, observation: Observation) -> None:
+        """See what the expert is to be asked of: it may look at more than a policy is shown."""
+        self._present = observation
+
+    def propose(self, observations: Observations) -> Proposal:
+        """Propose the expert's action and the present push, within the bounds."""
+        del observations
         half_range = (self.action.maximum - self.action.minimum) / 2
-        disturbed = self.expert.act(observation) + self.noise * half_range * self._push
+        disturbed = self.expert.act(self._present) + self.noise * half_range * self._push
         kept = np.exp(-1 / CORRELATION_STEPS)
         fresh = self._rng.standard_normal(len(self._push))
         self._push = kept * self._push + np.sqrt(1 - kept**2) * fresh
-        return np.clip(disturbed, self.action.minimum, self.action.maximum).astype(np.float32)
+        clipped = np.clip(disturbed, self.action.minimum, self.action.maximum)
+        return Proposal(clipped.astype(np.float32)[None])

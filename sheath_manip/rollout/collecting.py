@@ -6,14 +6,13 @@ from functools import partial
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.gates.redrawing import redrawing
 from sheath_manip.protocols import (
     Environment,
     Expert,
     Follows,
     Gate,
     Listener,
-    Proposer,
+    Policy,
     Report,
     TakesOver,
 )
@@ -91,7 +90,7 @@ class Recording:
         number: int,
         count: int,
         gate: Callable[[], Gate],
-        policy: Proposer | None = None,
+        policy: Policy | None = None,
         checkpoint: str = "",
     ) -> list[Episode]:
         """`count` episodes of round `number`, driven by `policy` under a `gate` made for each.
@@ -108,7 +107,7 @@ class Recording:
                 self._recorder.flush()
 
     def _episode(
-        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Proposer | None
+        self, info: EpisodeInfo, gate: Callable[[], Gate], policy: Policy | None
     ) -> Episode:
         if self.store.has(info):
             episode = self.store.read(episode_name(info))
@@ -117,7 +116,7 @@ class Recording:
                 rollout,
                 self.environment,
                 info,
-                redrawing(gate(), policy),
+                gate(),
                 policy=policy,
                 expert=self.expert,
                 listeners=(self._recording(), *self.listeners),

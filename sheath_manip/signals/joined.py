@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.nested_arrays import part, prefixed
-from sheath_manip.protocols import Agreement, Arrays, Policy, Refits, Signal
-from sheath_manip.types.samples import Samples
+from sheath_manip.policies.readings import each_once
+from sheath_manip.protocols import Agreement, Arrays, Reader, Refits, Signal, TrainablePolicy
+from sheath_manip.types import Reason
+from sheath_manip.types.seen import Seen
 
 LEAST_SHARE = 1e-3
 """added to every p: a few thousand steps say no more of what is rarer"""
@@ -48,53 +50,69 @@ class JoinedSignal:
         self.signals = signals
         self.weights = weights
 
-    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether any of them does."""
+        return any(signal.uses_displaced for signal in self.signals.values())
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read for every signal; equal readers read once."""
+        return each_once(
+            reader for signal in self.signals.values() for reader in signal.attach(policy)
+        )
+
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
         """Fit every signal; none is joined before `calibrate`."""
         for signal in self.signals.values():
-            signal.fit(policy, states, agreement)
+            signal.fit(labels, seen, agreement)
         return self
 
-    def refit(self, states: Samples) -> Self:
+    def refit(self, seen: Seen) -> Self:
         """Refit the signals that can be; joined as before, until `calibrate`."""
         for signal in self.signals.values():
             if isinstance(signal, Refits):
-                signal.refit(states)
+                signal.refit(seen)
         return self
 
-    def calibrate(self, episodes: Sequence[Samples]) -> Self:
-        """Learn how held-out expert `episodes` score; ParameterError where a signal has no score.
+    def measure(self, seen: Seen) -> NDArray[np.float64]:
+        """(n, signals) the score of each signal."""
+        scores = [signal.scores(signal.measure(seen)) for signal in self.signals.values()]
+        return np.stack(scores, axis=1)
+
+    def calibrate(self, measures: Sequence[NDArray]) -> Self:
+        """Learn how held-out expert episodes score; ParameterError where a signal has no score.
 
         A step without a score, or with -inf, says nothing of how the others lie and is left out.
         """
+        together = np.concatenate([np.empty((0, len(self.signals))), *measures])
         self.references_ = {}
-        for name, signal in self.signals.items():
-            signal.calibrate(episodes)
-            parts = [signal.scores(episode.images, episode.features) for episode in episodes]
-            scores = np.concatenate([np.empty(0), *parts])
-            scores = np.sort(scores[np.isfinite(scores)])
-            if len(scores) < 1 / TAIL:
+        for name, scores in zip(self.signals, together.T, strict=True):
+            known = np.sort(scores[np.isfinite(scores)])
+            if len(known) < 1 / TAIL:
                 raise ParameterError(
-                    f"signal {name!r} scores {len(scores)} steps of {len(episodes)} held-out "
+                    f"signal {name!r} scores {len(known)} steps of {len(measures)} held-out "
                     f"episodes; wanted at least {round(1 / TAIL)} to compare others with"
                 )
-            self.references_[name] = scores
+            self.references_[name] = known
         return self
 
-    def scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
+    def scores(self, measures: NDArray) -> NDArray[np.float64]:
         """(n,) weighted sums of log p; NaN where a signal has no score."""
-        return np.sum(list(self.parts(images, features).values()), axis=0)
+        return np.sum(list(self.parts(measures).values()), axis=0)
 
-    def parts(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> Mapping[str, NDArray[np.float64]]:
+    def parts(self, measures: NDArray) -> Mapping[str, NDArray[np.float64]]:
         """(n,) what each signal adds to the score, by name."""
         return {
-            name: self.weights[name]
-            * log_share(signal.scores(images, features), self.references_[name])
-            for name, signal in self.signals.items()
+            name: self.weights[name] * log_share(scores, self.references_[name])
+            for name, scores in zip(self.signals, measures.T, strict=True)
         }
+
+    def blames(self, measures: NDArray) -> Reason:
+        """Return the reason of the signal that finds the state rarest, however much it counts."""
+        parts = self.parts(measures[None])
+        rarest = min(parts, key=lambda name: float(parts[name][0]) / self.weights[name])
+        place = list(self.signals).index(rarest)
+        return self.signals[rarest].blames(measures[place : place + 1])
 
     def arrays(self) -> Arrays:
         """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""
@@ -102,10 +120,10 @@ class JoinedSignal:
         references = {f"reference/{name}": scores for name, scores in self.references_.items()}
         return {**prefixed(learned), **references}
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
         for name, signal in self.signals.items():
-            signal.load(policy, part(arrays, name))
+            signal.load(part(arrays, name))
         references = part(arrays, "reference")
         self.references_ = {name: np.asarray(references[name], float) for name in self.signals}
         return self

@@ -1,6 +1,6 @@
 """The policy's training states with their labels, and how far off they are from new ones."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.nested_arrays import part, prefixed
-from sheath_manip.protocols import Arrays, Embedding, Policy
-from sheath_manip.types.samples import Samples
+from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
+from sheath_manip.types.seen import Seen
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024
@@ -43,32 +43,29 @@ class LabelledStates:
         self.embedding = embedding
         self.tolerance = tolerance
 
-    def fit(self, policy: Policy, states: Samples) -> Self:
-        """Keep the vectors and labels of the policy's training `states`."""
-        self.policy = policy
-        self.embedding.fit(policy, states)
-        return self._take(
-            self.embedding.transform(states.images, states.features), np.asarray(states.labels)
-        )
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read what the embedding reads."""
+        return self.embedding.attach(policy)
 
-    def compared(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> Iterator[Compared]:
-        """All new states in turn, as many at once as memory likes."""
-        vectors = self.embedding.transform(images, features)
-        proposed = self.policy.predict(images, features)
+    def fit(self, labels: NDArray, seen: Seen) -> Self:
+        """Keep the vectors and labels of the policy's training states."""
+        return self._take(self.embedding.fit(seen).transform(seen), np.asarray(labels))
+
+    def compared(self, seen: Seen) -> Iterator[Compared]:
+        """Compare all new states in turn, as many at once as memory likes."""
+        vectors = self.embedding.transform(seen)
         for first in range(0, len(vectors), BATCH):
-            yield self._batch(vectors[first : first + BATCH], proposed[first : first + BATCH])
+            rows = slice(first, first + BATCH)
+            yield self._batch(vectors[rows], seen.actions[rows])
 
     def arrays(self) -> Arrays:
         """The embedding's, the (m, d) vectors and the (m, a) labels."""
         learned = {"vectors": self.vectors_, "labels": self.labels_}
         return {**prefixed({"embedding": self.embedding.arrays()}), **learned}
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.policy = policy
-        self.embedding.load(policy, part(arrays, "embedding"))
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.embedding.load(part(arrays, "embedding"))
         return self._take(arrays["vectors"], arrays["labels"])
 
     def _take(self, vectors: NDArray, labels: NDArray) -> Self:

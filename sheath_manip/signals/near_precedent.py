@@ -6,7 +6,6 @@ of a policy's steps in episodes that succeed, had no precedent at all. Here stat
 one vector, so that a little of both is a little.
 """
 
-from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
@@ -14,14 +13,22 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.nested_arrays import part, prefixed
-from sheath_manip.protocols import Agreement, Arrays, Embedding, HasOwnFrame, Policy
-from sheath_manip.types.samples import Samples
+from sheath_manip.protocols import (
+    Agreement,
+    Arrays,
+    Embedding,
+    HasOwnFrame,
+    Reader,
+    TrainablePolicy,
+)
+from sheath_manip.signals.single import SingleMeasure
+from sheath_manip.types.seen import Seen
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024
 
 
-class NearPrecedentSignal:
+class NearPrecedentSignal(SingleMeasure):
     """Minus the distance to the nearest training state and its label, as one vector."""
 
     def __init__(self, embedding: Embedding, action_weight: float = 2.0) -> None:
@@ -37,29 +44,31 @@ class NearPrecedentSignal:
         self.embedding = embedding
         self.action_weight = action_weight
 
-    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
-        """Keep the vectors and labels of the policy's training `states`."""
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether the embedding does."""
+        return self.embedding.uses_displaced
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read what the embedding reads; compare actions in the policy's own frame, if any."""
+        self._frame = policy if isinstance(policy, HasOwnFrame) else None
+        return self.embedding.attach(policy)
+
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
+        """Keep the vectors and labels of the policy's training states."""
         del agreement
-        self.policy = policy
-        vectors = self.embedding.fit(policy, states).transform(states.images, states.features)
+        vectors = self.embedding.fit(seen).transform(seen)
         spread = float(vectors.var(axis=0, dtype=np.float64).sum())
         self.unit_ = np.float32(1 / np.sqrt(spread) if spread > 0 else 1.0)
-        labels = self._seen(states.labels, states.features)
-        moved = np.maximum(np.ptp(labels, axis=0), 1e-6)
+        framed = self._framed(labels, seen.features)
+        moved = np.maximum(np.ptp(framed, axis=0), 1e-6)
         self.action_units_ = np.asarray(np.sqrt(self.action_weight) / moved, np.float32)
-        return self._take(self._joined(vectors, labels))
+        return self._take(self._joined(vectors, framed))
 
-    def calibrate(self, episodes: Sequence[Samples]) -> Self:
-        """A distance needs no held-out states."""
-        del episodes
-        return self
-
-    def scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
+    def score(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) minus the distance: 0 on a training state where the policy does as labelled."""
-        actions = self._seen(self.policy.predict(images, features), features)
-        joined = self._joined(self.embedding.transform(images, features), actions)
+        actions = self._framed(seen.actions, seen.features)
+        joined = self._joined(self.embedding.transform(seen), actions)
         parts = [
             self._distances(joined[first : first + BATCH]) for first in range(0, len(joined), BATCH)
         ]
@@ -74,20 +83,16 @@ class NearPrecedentSignal:
         }
         return {**prefixed({"embedding": self.embedding.arrays()}), **learned}
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.policy = policy
-        self.embedding.load(policy, part(arrays, "embedding"))
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.embedding.load(part(arrays, "embedding"))
         self.unit_ = np.float32(arrays["unit"])
         self.action_units_ = np.asarray(arrays["action_units"], np.float32)
         return self._take(arrays["joined"])
 
-    def _seen(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
-        """As the policy sees them."""
-        policy = self.policy
-        return (
-            policy.in_own_frame(actions, features) if isinstance(policy, HasOwnFrame) else actions
-        )
+    def _framed(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
+        """(n, a) as the policy sees them."""
+        return actions if self._frame is None else self._frame.in_own_frame(actions, features)
 
     def _joined(self, vectors: NDArray, actions: NDArray) -> NDArray[np.float32]:
         return np.concatenate(

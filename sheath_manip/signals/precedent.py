@@ -5,49 +5,51 @@ like it got other labels. So the distance is taken to the nearest training state
 did what the policy proposes: nearest neighbours (Knox & Ng 1998) of state AND action.
 """
 
-from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
+from sheath_manip.protocols import Agreement, Arrays, Embedding, Reader, TrainablePolicy
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
-from sheath_manip.types.samples import Samples
+from sheath_manip.signals.single import SingleMeasure
+from sheath_manip.types.seen import Seen
 
 
-class PrecedentSignal:
+class PrecedentSignal(SingleMeasure):
     """Minus the distance to the nearest training state with the proposed action as its label."""
 
     def __init__(self, embedding: Embedding, tolerance: float = 0.1) -> None:
         """Store the hyperparameters, those of `LabelledStates`."""
         self.states = LabelledStates(embedding, tolerance)
 
-    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
-        """Keep the policy's training `states`."""
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether the embedding does."""
+        return self.states.embedding.uses_displaced
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read what the embedding reads."""
+        return self.states.attach(policy)
+
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
+        """Keep the policy's training states and their labels."""
         del agreement
-        self.states.fit(policy, states)
+        self.states.fit(labels, seen)
         return self
 
-    def calibrate(self, episodes: Sequence[Samples]) -> Self:
-        """A distance needs no held-out states."""
-        del episodes
-        return self
-
-    def scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
+    def score(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) minus the distance: 0 on a training state, -inf without any precedent."""
-        parts = [_score(compared) for compared in self.states.compared(images, features)]
+        parts = [_score(compared) for compared in self.states.compared(seen)]
         return np.concatenate([np.empty(0), *parts])
 
     def arrays(self) -> Arrays:
         """Those of `LabelledStates`."""
         return self.states.arrays()
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.states.load(policy, arrays)
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.states.load(arrays)
         return self
 
 

@@ -1,6 +1,5 @@
 """Whether a state is like those that the policy was trained on: SHEATH's own signal."""
 
-from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
@@ -8,20 +7,41 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.nested_arrays import part, prefixed
-from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy, SupportEstimator
-from sheath_manip.types.samples import Samples
+from sheath_manip.protocols import (
+    Agreement,
+    Arrays,
+    Embedding,
+    Reader,
+    SupportEstimator,
+    TrainablePolicy,
+)
+from sheath_manip.signals.single import SingleMeasure
+from sheath_manip.types import Reason
+from sheath_manip.types.seen import Seen
 
 
-class SupportSignal:
+class SupportSignal(SingleMeasure):
     """A support estimator on an embedding of the observation."""
+
+    reason = Reason.OUTSIDE
 
     def __init__(self, embedding: Embedding, support: SupportEstimator) -> None:
         self.embedding = embedding
         self.support = support
 
-    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
-        """Fit embedding and support to the policy's training `states`."""
-        vectors = self.embedding.fit(policy, states).transform(states.images, states.features)
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether the embedding does."""
+        return self.embedding.uses_displaced
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read what the embedding reads."""
+        return self.embedding.attach(policy)
+
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
+        """Fit embedding and support to the policy's training states."""
+        del labels
+        vectors = self.embedding.fit(seen).transform(seen)
         if not self.support.uses_agreement:
             self.support.fit(vectors)
             return self
@@ -34,33 +54,26 @@ class SupportSignal:
         self.support.fit(vectors, agreement())
         return self
 
-    def refit(self, states: Samples) -> Self:
-        """Fit the support again to `states`, on the embedding as it is."""
+    def refit(self, seen: Seen) -> Self:
+        """Fit the support again to the states, on the embedding as it is."""
         if self.support.uses_agreement:
             raise ParameterError(
                 f"{type(self.support).__name__} asks where the policy is right, which takes a "
                 "training run to say; wanted a support that is fitted to the states alone"
             )
-        self.support.fit(self.embedding.transform(states.images, states.features))
+        self.support.fit(self.embedding.transform(seen))
         return self
 
-    def calibrate(self, episodes: Sequence[Samples]) -> Self:
-        """A support needs no held-out states."""
-        del episodes
-        return self
-
-    def scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
+    def score(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) support scores, positive inside."""
-        return self.support.decision_function(self.embedding.transform(images, features))
+        return self.support.decision_function(self.embedding.transform(seen))
 
     def arrays(self) -> Arrays:
         """The learned state of both."""
         return prefixed({"embedding": self.embedding.arrays(), "support": self.support.arrays()})
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.embedding.load(policy, part(arrays, "embedding"))
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.embedding.load(part(arrays, "embedding"))
         self.support.load(part(arrays, "support"))
         return self

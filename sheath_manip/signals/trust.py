@@ -7,23 +7,23 @@ the policy does not bend to, or a state that only looks the same. So here a prop
 by several precedents, while one objection is enough to be weighed.
 """
 
-from collections.abc import Mapping, Sequence
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Agreement, Arrays, Embedding, Policy
+from sheath_manip.protocols import Agreement, Arrays, Embedding, Reader, TrainablePolicy
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
-from sheath_manip.types.samples import Samples
+from sheath_manip.signals.single import SingleMeasure
+from sheath_manip.types.seen import Seen
 
 RESOLUTION = 0.02
 """of the spread of the training states: closer ones are the same, so that of two copies with
 different labels neither wins by rounding"""
 
 
-class TrustSignal:
+class TrustSignal(SingleMeasure):
     """How much nearer the precedents of a proposal are than the nearest objection to it.
 
     With p the distance to the k-th nearest training state that has the proposed action as its
@@ -44,31 +44,33 @@ class TrustSignal:
         self.states = LabelledStates(embedding, tolerance)
         self.precedents = precedents
 
-    def fit(self, policy: Policy, states: Samples, agreement: Agreement | None = None) -> Self:
-        """Keep the policy's training `states`."""
+    @property
+    def uses_displaced(self) -> bool:
+        """Whether the embedding does."""
+        return self.states.embedding.uses_displaced
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        """Read what the embedding reads."""
+        return self.states.attach(policy)
+
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
+        """Keep the policy's training states and their labels."""
         del agreement
-        self.states.fit(policy, states)
+        self.states.fit(labels, seen)
         return self._measured()
 
-    def calibrate(self, episodes: Sequence[Samples]) -> Self:
-        """A ratio needs no held-out states."""
-        del episodes
-        return self
-
-    def scores(
-        self, images: Mapping[str, NDArray[np.uint8]], features: NDArray
-    ) -> NDArray[np.float64]:
+    def score(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) in -1..1: -1 with fewer precedents than asked for, 1 with them and no objection."""
-        parts = [self._score(compared) for compared in self.states.compared(images, features)]
+        parts = [self._score(compared) for compared in self.states.compared(seen)]
         return np.concatenate([np.empty(0), *parts])
 
     def arrays(self) -> Arrays:
         """Those of `LabelledStates`."""
         return self.states.arrays()
 
-    def load(self, policy: Policy, arrays: Arrays) -> Self:
-        """Take over `arrays()` on top of `policy`."""
-        self.states.load(policy, arrays)
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()`."""
+        self.states.load(arrays)
         return self._measured()
 
     def _measured(self) -> Self:

@@ -1,14 +1,17 @@
 """The small frozen values that cross every boundary of the framework."""
 
-from sheath_manip.types.episode import Episode, EpisodeInfo, Outcome, Purpose
+from sheath_manip.types.episode import Episode, EpisodeInfo, Outcome, Purpose, intervened
 from sheath_manip.types.scene import Line, SceneGeom, ScenePose, Surface
 from sheath_manip.types.spec import Action, ActionSpec, FirstView, Mirror, TaskSpec, ToolFrame
 from sheath_manip.types.step import (
     Actor,
     Commanded,
     GateDecision,
+    Judgement,
     Limited,
     Observation,
+    Observations,
+    Proposal,
     Reason,
     Step,
     Transition,
@@ -23,11 +26,14 @@ __all__ = [
     "EpisodeInfo",
     "FirstView",
     "GateDecision",
+    "Judgement",
     "Limited",
     "Line",
     "Mirror",
     "Observation",
+    "Observations",
     "Outcome",
+    "Proposal",
     "Purpose",
     "Reason",
     "SceneGeom",
@@ -37,4 +43,5 @@ __all__ = [
     "TaskSpec",
     "ToolFrame",
     "Transition",
+    "intervened",
 ]

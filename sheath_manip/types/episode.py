@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.types.step import Observation, Step
+from sheath_manip.types.step import Actor, Observation, Reason, Step
 
 
 class Outcome(StrEnum):
@@ -63,3 +63,18 @@ class Episode:
 
     def __len__(self) -> int:
         return len(self.steps)
+
+
+def intervened(info: EpisodeInfo, step: Step) -> bool:
+    """Tell whether somebody else than the policy acted in `step`, though there was one to act.
+
+    Runs of such steps are the interventions: the one definition for tables, stores, pages and
+    results. There was a policy where a checkpoint drove the episode, where one proposed, and where
+    its proposal was invalid, which is recorded as none.
+    """
+    has_policy = (
+        bool(info.checkpoint)
+        or step.proposed is not None
+        or step.decision.reason is Reason.INVALID_PROPOSAL
+    )
+    return has_policy and step.decision.actor is not Actor.POLICY

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.types import Episode, Step
+from sheath_manip.types.episode import Episode
+from sheath_manip.types.step import Observations, Step
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,11 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.labels)
+
+    @property
+    def observations(self) -> Observations:
+        """The states without their labels."""
+        return Observations(self.images, self.features)
 
     def take(self, indices: NDArray) -> "Samples":
         """The states at `indices` (integers or a mask)."""

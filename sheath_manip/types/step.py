@@ -1,8 +1,9 @@
 """One control step: what is seen, who acts and why, what became of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,21 @@ from sheath_manip.types.spec import Action
 
 
 class Actor(StrEnum):
-    """Who drives a control step."""
+    """Who drives a control step; a gate's decision names one, and the loop asks that one."""
 
     POLICY = "policy"
     EXPERT = "expert"
+    OPERATOR = "operator"
+    """a person at the controls"""
+    FALLBACK = "fallback"
+    """the controller that acts where a person was asked and did not come"""
+    HOLD = "hold"
+    """nobody: the robot is kept where it is"""
+
+    @property
+    def in_place_of_policy(self) -> bool:
+        """Whether somebody drives who is not the policy; to hold is no driving."""
+        return self in (Actor.EXPERT, Actor.OPERATOR, Actor.FALLBACK)
 
 
 class Reason(StrEnum):
@@ -55,6 +67,55 @@ class Observation:
     features: NDArray[np.float32]
     """(f,) in the order of `TaskSpec.feature_names`"""
     time_s: float
+
+    @property
+    def alone(self) -> "Observations":
+        """The observation as a batch of one."""
+        images = {camera: image[None] for camera, image in self.images.items()}
+        return Observations(images, self.features[None])
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """n observations side by side, as policies look at them."""
+
+    images: Mapping[str, NDArray[np.uint8]]
+    """(n, h, w, 3) RGB by camera"""
+    features: NDArray[np.float32]
+    """(n, f)"""
+
+    def __len__(self) -> int:
+        return len(self.features)
+
+    def rows(self, rows: slice) -> "Observations":
+        """Return some of them."""
+        images = {camera: images[rows] for camera, images in self.images.items()}
+        return Observations(images, self.features[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """What a policy made of n observations in one look."""
+
+    actions: NDArray[np.float32]
+    """(n, a), or (n, k, a) for chunks of the next k actions"""
+    latents: Mapping[str, Any] = field(default_factory=dict)
+    """arrays or tensors by name, for embeddings to take: what the policy saw on its way"""
+
+    @property
+    def now(self) -> NDArray[np.float32]:
+        """(n, a) the action for the present step of each."""
+        return self.actions if self.actions.ndim == 2 else self.actions[:, 0]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a signal says of a state and of what the policy proposes there."""
+
+    score: float
+    """the higher the safer, to be held against a threshold; NaN where there is none"""
+    blames: Reason = Reason.OUTSIDE
+    """why the expert takes over where the score is below the threshold"""
 
 
 @dataclass(frozen=True)
@@ -114,15 +175,15 @@ class Step:
     def label(self) -> Action | None:
         """What to learn from: the expert's answer where a label was asked for.
 
-        Who only holds the robot in an expert's place acts, and teaches nothing.
+        Holding the robot in the expert's place counts as acting but gives no label.
         """
         return self.labelled if self.decision.query else None
 
     @property
-    def wished(self) -> Action:
-        """What who acted wanted: given to the environment, it runs the step again to the bit."""
-        wish = self.labelled if self.decision.actor is Actor.EXPERT else self.proposed
-        return self.executed if wish is None else wish
+    def requested(self) -> Action:
+        """What the actor asked for: given to the environment, it runs the step again to the bit."""
+        asked = self.proposed if self.decision.actor is Actor.POLICY else self.labelled
+        return self.executed if asked is None else asked
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.support.config import ThresholdConfig
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.claims import CLAIMS
 from sheath_manip.tasks.driving.expert import DrivingExpert
@@ -63,7 +63,7 @@ _NU = LearningPlan(
     comparison=Comparison(methods=("sheath",), seeds=(0,), evaluation_episodes=8, final_episodes=1),
 )
 
-DRIVING = TaskEntry(
+DRIVING = Task(
     name="driving",
     summary="laps on a closed track among slower cars, steered from an overhead camera",
     variants={

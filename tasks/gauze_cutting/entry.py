@@ -11,7 +11,7 @@ from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.support.config import ThresholdConfig
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.claims import CLAIMS
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert, task_of
@@ -72,7 +72,7 @@ _FULL = LearningPlan(
     comparison=Comparison(evaluation_episodes=6, final_episodes=40),
 )
 
-GAUZE_CUTTING = TaskEntry(
+GAUZE_CUTTING = Task(
     name="gauze-cutting",
     summary="guide a blade along the circle printed on a sheet of gauze that moves under it",
     variants={

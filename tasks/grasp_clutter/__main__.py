@@ -1,8 +1,8 @@
-"""`python -m tasks.grasp_clutter VERB`: the verbs of `sheath`, for this task."""
+"""`python -m sheath_manip.tasks.grasp_clutter VERB`: the verbs of `sheath`, for this task."""
 
 import sys
 
-from sheath_manip.tasks.command import task_main
+from sheath_manip.command import task_main
 
 if __name__ == "__main__":
     sys.exit(task_main("grasp-clutter"))

@@ -12,7 +12,7 @@ from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.support.config import ThresholdConfig
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.claims import CLAIMS, RECIPE
 from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
@@ -79,7 +79,7 @@ _FULL = LearningPlan(
     comparison=Comparison(evaluation_episodes=10, final_episodes=100, final_variant="medium"),
 )
 
-GRASP_CLUTTER = TaskEntry(
+GRASP_CLUTTER = Task(
     name="grasp-clutter",
     summary="reach through standing clutter, grasp the red target and lift it",
     variants={

@@ -13,7 +13,7 @@ from sheath_manip.learning.config import LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.seeding import seed_for
 from sheath_manip.support.config import ThresholdConfig
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.claims import CLAIMS
 from sheath_manip.tasks.platformer.expert import PlatformerExpert
@@ -162,7 +162,7 @@ _NU = _FULL.changed(
     comparison={"methods": ("sheath",), "seeds": (0, 1, 2), "final_episodes": 1},
 )
 
-PLATFORMER = TaskEntry(
+PLATFORMER = Task(
     name="platformer",
     summary="run and jump over gaps, pipes and enemies to a flag, seen as a grid of tiles",
     variants={

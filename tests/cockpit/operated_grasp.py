@@ -118,7 +118,7 @@ def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
     try:
         yield ready[0]
     finally:
-        ready[0].cockpit.ending = Ending.SAVE
+        ready[0].cockpit.end(Ending.SAVE)
         ready[0].cockpit.close()
         thread.join(DEADLINE_S)
     assert not thread.is_alive()

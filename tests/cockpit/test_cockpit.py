@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
-from sheath_manip.cockpit.cockpit import MOST_ORDERS, Ending
+from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.cockpit.guide import Binding
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
+from sheath_manip.cockpit.transitions import MOST_STEPS
 from sheath_manip.types import Outcome
 
 GUIDE = (Binding(("KeyI",), "on"),)
@@ -91,19 +92,107 @@ def test_anyone_may_stop_and_the_stop_is_latched(cockpit):
     assert cockpit.now().stopped
     cockpit.order(Order.HAND_BACK, "one")
     assert cockpit.now().stopped
-    assert cockpit.order(Order.RESET, "two")
+    assert cockpit.order(Order.RESET, "two", seen=1)
     assert not cockpit.now().stopped
     # A reset by itself moves nothing.
     assert cockpit.paused
+    assert cockpit.now().halted
     assert cockpit.order(Order.RESUME, "two")
     cockpit.wait()
     assert not cockpit.paused
+    assert not cockpit.now().halted
 
 
 def test_a_reset_without_a_stop_does_nothing(cockpit):
-    cockpit.order(Order.RESET, "one")
+    for seen in (None, 0, 1):
+        assert not cockpit.order(Order.RESET, "one", seen=seen)
     cockpit.now()
     assert not cockpit.paused
+
+
+@pytest.mark.parametrize("seen", [None, 0, 1, 3])
+def test_a_reset_clears_only_the_stop_that_its_giver_has_seen(cockpit, seen):
+    cockpit.order(Order.STOP, "one")
+    assert cockpit.state.stops == 1
+    cockpit.order(Order.STOP, "two")
+    assert not cockpit.order(Order.RESET, "one", seen=seen)
+    assert cockpit.now().stopped
+    assert cockpit.order(Order.RESET, "one", seen=2)
+    assert not cockpit.now().stopped
+
+
+def test_stop_reset_resume_stop_in_one_breath_ends_stopped(cockpit):
+    cockpit.order(Order.STOP, "one")
+    assert cockpit.order(Order.RESET, "one", seen=1)
+    assert cockpit.order(Order.RESUME, "one", seen=1)
+    cockpit.order(Order.STOP, "one")
+    # What was under way meanwhile is void.
+    for order in (Order.RESET, Order.RESUME, Order.STEP, Order.TAKE_OVER, Order.HAND_BACK):
+        assert not cockpit.order(order, "two", seen=1)
+    now = cockpit.now()
+    assert now.stopped
+    assert now.halted
+    assert cockpit.order(Order.RESET, "one", seen=2)
+    assert cockpit.paused
+
+
+def test_a_stop_voids_steps_takeover_and_resume(cockpit):
+    cockpit.order(Order.TAKE_OVER, "one")
+    cockpit.order(Order.PAUSE, "one")
+    cockpit.order(Order.STEP, "one")
+    cockpit.order(Order.STOP, "two")
+    for order in (Order.RESUME, Order.STEP, Order.TAKE_OVER):
+        assert not cockpit.order(order, "one", seen=1)
+    assert not cockpit.give("one", KEYS)
+    cockpit.order(Order.RESET, "two", seen=1)
+    now = cockpit.now()
+    assert now.halted
+    assert now.abandoned
+    assert not now.taken
+    # Exactly the one step that was ordered after the reset.
+    assert cockpit.order(Order.STEP, "two", seen=1)
+    assert not cockpit.now().halted
+    assert cockpit._standing.steps == 0
+    assert cockpit.order(Order.TAKE_OVER, "one", seen=1)
+    assert cockpit.now().taken
+
+
+def test_anyone_lets_the_policy_go_on_where_who_drove_is_lost(cockpit):
+    assert not cockpit.order(Order.HAND_BACK, "two")
+    cockpit.order(Order.TAKE_OVER, "one")
+    assert not cockpit.order(Order.HAND_BACK, "two")
+    cockpit.leave("one")
+    cockpit.begin_episode()
+    assert cockpit.now().abandoned
+    assert cockpit.order(Order.HAND_BACK, "two")
+    assert not cockpit.now().abandoned
+
+
+def test_what_is_too_old_is_no_sign_of_life(cockpit, clock):
+    cockpit.order(Order.TAKE_OVER, "one")
+    clock.s += LOST_AFTER_S + 0.01
+    cockpit.give("one", KEYS, age_s=LOST_AFTER_S + 0.01)
+    assert cockpit.now().given is None
+    cockpit.give("one", KEYS, age_s=LOST_AFTER_S - 0.1)
+    assert cockpit.now().given is not None
+    clock.s += 0.11
+    assert cockpit.now().given is None
+
+
+def test_who_is_silenced_holds_nothing_until_it_is_heard_again(cockpit):
+    cockpit.order(Order.TAKE_OVER, "one")
+    cockpit.give("one", KEYS)
+    cockpit.drag("one", np.zeros(7))
+    cockpit.silence("two")
+    assert cockpit.now().given is not None
+    cockpit.silence("one")
+    now = cockpit.now()
+    assert now.taken
+    assert now.given is None
+    cockpit.give("one", Given())
+    now = cockpit.now()
+    assert now.given is not None
+    assert not now.given.held
 
 
 def test_speed_is_clamped(cockpit):
@@ -146,9 +235,11 @@ def test_marks(cockpit, order, outcome):
     assert cockpit.ending is not None
 
 
-def test_a_queue_that_nobody_drains_stays_short(cockpit):
-    taken = [cockpit.order(Order.PAUSE, "one") for _ in range(3 * MOST_ORDERS)]
-    assert sum(taken) == MOST_ORDERS
+def test_single_steps_do_not_pile_up(cockpit):
+    cockpit.order(Order.PAUSE, "one")
+    for _ in range(3 * MOST_STEPS):
+        assert cockpit.order(Order.STEP, "one")
+    assert cockpit._standing.steps == MOST_STEPS
     assert cockpit.order(Order.STOP, "one")
     assert cockpit.now().stopped
 

@@ -17,7 +17,7 @@ from sheath_manip.cockpit.cockpit import Turn
 from sheath_manip.cockpit.lease import LOST_AFTER_S
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnattendedError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, SupportGate
 from sheath_manip.protocols import Gate
 from sheath_manip.rollout.discarding import DiscardedError, until_kept
@@ -179,27 +179,69 @@ def test_without_a_dead_man_to_press_nothing_is_an_action():
     assert all(step.label is not None for step in episode.steps[4:])
 
 
-def test_a_lost_heartbeat_holds_and_then_the_fallback_acts_not_the_policy():
+def test_after_a_lost_heartbeat_the_robot_holds_and_nobody_acts_of_itself():
     episode, page = run({2: take}, AlwaysPolicy(), steps=400, wait_s=1.0)
     drove = page.turns.count(Turn.PERSON)
     assert drove * PERIOD_S == pytest.approx(LOST_AFTER_S, abs=2 * PERIOD_S)
-    assert page.turns[2 + drove :][:50] == [Turn.HOLD] * 50
-    assert set(page.turns[2 + drove + 50 :]) == {Turn.FALLBACK}
-    assert Turn.POLICY not in page.turns[2:]
+    assert set(page.turns[2 + drove :]) == {Turn.HOLD}
+    assert set(reasons(episode)[2 + drove :]) == {Reason.WAITING}
     assert episode.outcome is Outcome.SUCCESS
 
 
-def test_the_stop_acts_on_the_next_step_and_needs_a_reset():
+def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on():
+    clock = Clock()
+    cockpit = Cockpit(hands(Corridor()).guide, clock)
+    environment = Corridor()
+    stand_ins = dict.fromkeys(Turn, hold(environment))
+    page = Page(cockpit, clock, {4: lambda page: page.leave("page")})
+    take(cockpit)
+
+    def episode(gate: Gate) -> list[Turn]:
+        page.turns.clear()
+        rollout(
+            OperatedEnvironment(environment, cockpit),
+            INFO,
+            gate,
+            rng=np.random.default_rng(0),
+            policy=Straight(),
+            expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+            listeners=(page,),
+        )
+        return list(page.turns)
+
+    gate = PersonGate(AlwaysPolicy(), cockpit, 50.0, wait_s=0.0)
+    assert episode(gate) == [Turn.PERSON] * 4 + [Turn.HOLD] * 8
+    page.script = {5: lambda page: page.order(Order.HAND_BACK, "another page")}
+    assert episode(gate) == [Turn.HOLD] * 5 + [Turn.POLICY] * 7
+
+
+def test_the_stop_acts_on_the_next_step_and_needs_a_reset_and_a_new_takeover():
     def reset(page: Cockpit) -> None:
-        page.order(Order.RESET, "page")
+        page.order(Order.RESET, "page", seen=page.state.stops)
         page.order(Order.RESUME, "page")
 
-    script = {3: take, 5: lambda page: page.order(Order.STOP, "a watcher"), 9: reset}
-    episode, _ = run(script, AlwaysPolicy())
+    script = {3: take, 5: lambda page: page.order(Order.STOP, "a watcher"), 9: reset, 10: take}
+    episode, _ = run(script, AlwaysPolicy(), wait_s=0.0)
     assert reasons(episode)[3:5] == [Reason.PERSON] * 2
     assert reasons(episode)[5:9] == [Reason.EMERGENCY_STOP] * 4
-    assert reasons(episode)[9] is Reason.PERSON
+    # Neither the policy nor the key that is still held goes on by itself.
+    assert reasons(episode)[9] is Reason.WAITING
+    assert reasons(episode)[10] is Reason.PERSON
     assert all(step.label is None for step in episode.steps[5:9])
+
+
+def test_a_stop_and_its_reset_between_two_looks_of_the_loop_still_halt_it():
+    """No motion until somebody resumes, though no step ever saw the stop."""
+    cockpit = Cockpit(hands(Corridor()).guide, Clock())
+    gate = PersonGate(AlwaysPolicy(), cockpit, 50.0)
+    seen = Corridor().reset(0)
+    assert gate.decide(seen, np.zeros(1, np.float32)).actor is Actor.POLICY
+    cockpit.wait()
+    cockpit.order(Order.STOP, "page")
+    cockpit.order(Order.RESET, "page", seen=1)
+    assert gate.decide(seen, np.zeros(1, np.float32)).reason is Reason.EMERGENCY_STOP
+    cockpit.order(Order.RESUME, "page")
+    assert gate.decide(seen, np.zeros(1, np.float32)).actor is Actor.POLICY
 
 
 @pytest.mark.parametrize(
@@ -257,6 +299,89 @@ def test_a_simulation_that_cannot_hold_stands_still():
     )
     assert reasons(episode)[3:6] == [Reason.NO_ANSWER] * 3
     assert len(episode) == 12
+
+
+class Impatient(Cockpit):
+    """Does `script` at each look, instead of waiting for news."""
+
+    script: Callable[[Cockpit], object] = staticmethod(lambda _: None)
+
+    def rest(self) -> float:
+        self.script(self)
+        return 0.01
+
+
+def cannot_hold(
+    gate: Gate, before: Callable[[Cockpit], object], meanwhile, wait_s=0.0, wrap=True
+) -> Episode:
+    """A run of a simulation that cannot hold; `before` is done once it goes, `meanwhile` then."""
+    cockpit = Impatient(hands(Corridor()).guide, Clock())
+    cockpit.script = meanwhile
+    environment = Corridor()
+    scripted = MiddleKeeper(environment)
+    person = PersonGate(gate, cockpit, 50.0, wait_s=wait_s, can_hold=False, dead_man=False)
+    try:
+        return rollout(
+            OperatedEnvironment(environment, cockpit),
+            INFO,
+            person if wrap else gate,
+            rng=np.random.default_rng(0),
+            policy=Straight(),
+            expert=OperatedExpert(cockpit, hands(environment), dict.fromkeys(Turn, scripted)),
+            listeners=(Page(cockpit, Clock(), {4: before}),),
+        )
+    finally:
+        assert environment.done == 4 or not cockpit.state.stopped
+
+
+@pytest.mark.parametrize("wrap", [True, False], ids=["person's gate", "bare gate"])
+@pytest.mark.parametrize(
+    ("before", "why"),
+    [
+        (lambda page: page.order(Order.STOP, "page"), "emergency stop"),
+        (lambda page: (take(page), page.leave("page")), "lost"),
+    ],
+)
+def test_what_cannot_hold_ends_the_run_where_nobody_is_left_to_say_how_to_go_on(before, why, wrap):
+    with pytest.raises(UnattendedError, match=why):
+        cannot_hold(AlwaysPolicy(), before, Cockpit.close, wrap=wrap)
+
+
+@pytest.mark.parametrize("wrap", [True, False], ids=["person's gate", "bare gate"])
+def test_what_cannot_hold_takes_no_last_step_after_a_stop(wrap):
+    episode = cannot_hold(
+        AlwaysPolicy(),
+        lambda page: page.order(Order.STOP, "page"),
+        lambda page: page.order(Order.SAVE, "page"),
+        wrap=wrap,
+    )
+    assert episode.truncated
+    assert not episode.terminated
+    np.testing.assert_array_equal(episode.final_state, episode.steps[-1].state)
+
+
+@pytest.mark.parametrize("wrap", [True, False], ids=["person's gate", "bare gate"])
+def test_what_cannot_hold_goes_on_after_reset_and_resume(wrap):
+    def reset(page: Cockpit) -> None:
+        page.order(Order.RESET, "page", seen=page.state.stops)
+        page.order(Order.RESUME, "page", seen=page.state.stops)
+
+    episode = cannot_hold(
+        AlwaysPolicy(), lambda page: page.order(Order.STOP, "page"), reset, wrap=wrap
+    )
+    assert len(episode) == 12
+    assert episode.outcome is Outcome.SUCCESS
+
+
+@pytest.mark.parametrize(("wait_s", "ends"), [(100.0, False), (float("inf"), True)])
+def test_a_wait_that_is_in_vain_ends(wait_s, ends):
+    """The fallback acts at once where it was to act anyway; where it never was, the run ends."""
+    if ends:
+        with pytest.raises(UnattendedError, match="as long as it takes"):
+            cannot_hold(AlwaysExpert(), lambda _: None, Cockpit.close, wait_s)
+    else:
+        episode = cannot_hold(AlwaysExpert(), lambda _: None, Cockpit.close, wait_s)
+        assert set(reasons(episode)) == {Reason.NO_ANSWER}
 
 
 def test_a_demonstration_by_hand_is_the_persons():

@@ -54,7 +54,7 @@ def grasp(running, opened) -> Iterator[OperatedGrasp]:
     opened.keyboard.up("i")
     running.inside = True
     cockpit = running.cockpit
-    cockpit.order(Order.RESET, cockpit.lease.holder or "the test")
+    cockpit.order(Order.RESET, "the test", seen=cockpit.state.stops)
     cockpit.resume()
     # Also where who drove has left without handing back.
     holder = cockpit.lease.holder or "the test"
@@ -293,6 +293,6 @@ def test_a_killed_browser_leaves_the_robot_holding_within_half_a_second(grasp, o
     holds(grasp, opened)
     # The policy does not go on where a person had thought it wrong; somebody must say so.
     assert eventually(lambda: grasp.cockpit.lease.holder is None)
-    opened.keyboard.press("t")
+    opened.get_by_text("H lets the policy go on").first.wait_for()
     opened.keyboard.press("h")
     grasp.until_turn(Turn.POLICY)

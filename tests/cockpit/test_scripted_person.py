@@ -14,7 +14,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import SupportGate
 from sheath_manip.policies import make_policy
 from sheath_manip.rollout.loop import rollout
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.entry import DRIVING
 from sheath_manip.tasks.driving.task import DrivingTask
@@ -43,7 +43,7 @@ CALM_STEPS = 4
 
 
 def operated_episode(
-    task: TaskEntry,
+    task: Task,
     inner: ComposerEnvironment,
     in_its_hands: Callable[[Action], Held],
     store: EpisodeStore,
@@ -123,7 +123,7 @@ def test_a_grasp_from_which_a_policy_learns(tmp_path: Path):
     inner.close()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_disc_is_cut_out_by_four_keys(tmp_path: Path):
     inner = ComposerEnvironment(GauzeTask(GauzeScenario(cameras=())))
     store = EpisodeStore.create(tmp_path / "store")
@@ -134,7 +134,7 @@ def test_a_disc_is_cut_out_by_four_keys(tmp_path: Path):
     inner.close()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_lap_from_which_a_policy_learns(tmp_path: Path):
     inner = ComposerEnvironment(DrivingTask(DrivingScenario()))
     store = EpisodeStore.create(tmp_path / "store")

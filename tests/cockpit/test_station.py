@@ -15,7 +15,8 @@ from websockets.typing import Origin, Subprotocol
 
 from sheath_manip.cockpit import Cockpit, Given
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.dashboard.operator_socket import LONGEST_MESSAGE, PATH
+from sheath_manip.dashboard.operator_message import LONGEST_MESSAGE
+from sheath_manip.dashboard.operator_socket import PATH
 from sheath_manip.dashboard.parts.controls import Controls
 from tests.toy import Corridor, hands
 from tests.waiting import eventually
@@ -74,13 +75,17 @@ def test_two_stations_cannot_both_drive(page, cockpit):
         # But anyone may stop.
         two.order("emergency-stop")
         one.until(lambda shown: shown["stopped"])
-        two.order("reset-stop")
+        # Nobody drives a stopped robot, so anyone may reset it who has seen the stop.
+        two.send({"order": "reset-stop", "seen": 0})
+        two.send({"order": "reset-stop"})
         time.sleep(0.3)
         assert cockpit.now().stopped
-        one.order("reset-stop")
+        two.until(lambda shown: shown["stopped"])
+        two.order("reset-stop")
         assert eventually(lambda: not cockpit.now().stopped)
-        one.order("hand-back")
-        two.until(lambda shown: not shown["others"])
+        one.until(lambda shown: not shown["stopped"])
+        one.order("resume")
+        # Who drove has to take over anew, and so may another one.
         two.order("take-over")
         two.until(lambda shown: shown["mine"])
 

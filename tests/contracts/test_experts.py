@@ -46,7 +46,7 @@ def test_succeeds_with_valid_actions(environment, episode):
     assert (episode.terminated, episode.truncated) == (True, False)
     spec = environment.spec.action
     for step in episode.steps:
-        spec.validated(step.wished)
+        spec.validated(step.requested)
         assert step.executed.dtype == np.float32
         if spec.choices is not None:
             assert (np.abs(spec.choices - step.executed).max(axis=1) < 1e-6).any()

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.protocols import SupportEstimator
 from sheath_manip.support import SUPPORTS, make_support, support_hyperparameters
 from sheath_manip.support.config import SupportConfig
+from tests.cases import cases
 
 # They train a network; what holds for every fit holds for a rough one.
 STEPS = {"reconstruction": 50, "distillation": 50, "disagreement": 20}
@@ -74,7 +75,7 @@ def clouds(draw) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", sorted(SUPPORTS))
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@cases(25, suppress_health_check=[HealthCheck.too_slow])
 @given(X=clouds(), nu=st.sampled_from([0.01, 0.05, 0.3, 1.0]), seed=st.integers(0, 2**32 - 1))
 def test_far_away_is_outside_for_every_fit(name, X, nu, seed):
     """100 bandwidths off in any direction, also along a feature that never moved."""

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sheath_manip.controllers.joint_limits import JointLimits
 from sheath_manip.controllers.stopping import Stopping
 from sheath_manip.exceptions import ParameterError
+from tests.cases import cases
 
 TIMESTEP_S = 0.05
 SPEEDS = np.array([1.5, 2.0, 3.0])
@@ -21,7 +22,7 @@ def stopping(rise_s: float = 0.15, onset_s: float = 0.05) -> Stopping:
     return Stopping(limits, TIMESTEP_S)
 
 
-@settings(max_examples=200, deadline=None)
+@cases(200)
 @given(
     st.sampled_from([(0.15, 0.05), (0.15, 0.2), (0.3, 0.1), (0.05, 0.05), (0.02, 0.3)]),
     st.lists(st.tuples(share, share), min_size=3, max_size=3),

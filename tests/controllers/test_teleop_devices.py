@@ -5,7 +5,7 @@ from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
@@ -23,6 +23,7 @@ from sheath_manip.exceptions import SetupError
 from sheath_manip.tasks.driving.entry import DRIVING
 from sheath_manip.tasks.platformer.entry import PLATFORMER
 from sheath_manip.tasks.robots.drive import TWIST_SCALE
+from tests.cases import cases
 from tests.waiting import eventually
 
 HERE = np.eye(4)
@@ -47,7 +48,7 @@ anything = st.builds(
 
 @pytest.mark.parametrize("name", DEVICES)
 @given(anything)
-@settings(max_examples=60, deadline=None)
+@cases(60)
 def test_a_motion_is_finite_and_within_its_shares(name, given):
     motion = DEVICES[name].motion(given)
     assert motion.twist.shape == (6,)
@@ -67,7 +68,7 @@ def arm() -> ArmHands:
 
 
 @given(anything)
-@settings(max_examples=60, deadline=None)
+@cases(60)
 def test_an_arms_action_is_within_its_bounds(given):
     action = arm().action(given)
     assert action.dtype == np.float32
@@ -87,7 +88,7 @@ def planar() -> PlanarHands:
 
 
 @given(anything)
-@settings(max_examples=60, deadline=None)
+@cases(60)
 def test_in_a_plane_nothing_is_faster_than_it_may_be(given):
     velocity = planar().action(given)
     assert np.isfinite(velocity).all()

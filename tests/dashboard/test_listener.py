@@ -84,6 +84,21 @@ def test_pause_blocks_and_resume_releases(
     thread.join(DEADLINE_S)
 
 
+def test_a_run_that_is_paused_between_two_episodes_does_not_begin(
+    dashboard: Dashboard, environment: Environment, episode: Episode
+) -> None:
+    dashboard.pause()
+    start = (environment, episode.info)
+    run = threading.Thread(target=dashboard.on_start, args=start, daemon=True)
+    run.start()
+    assert eventually(lambda: dashboard._latest() is not None)
+    run.join(0.2)
+    assert run.is_alive()
+    dashboard.resume()
+    run.join(DEADLINE_S)
+    assert not run.is_alive()
+
+
 def test_close_releases_a_paused_run(
     dashboard: Dashboard, environment: Environment, episode: Episode
 ) -> None:

@@ -11,6 +11,8 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Locator, Page
 
+from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.cockpit.guide import Binding
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dashboard.shelf import Shelf
@@ -165,7 +167,8 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
         partial(NuSlider, dial=dial, refit=refit, nu=0.1),
     )
     info = EpisodeInfo(SPEC.name, 1, Purpose.LEARNING, SPEC.control_rate_hz, method="sheath")
-    with Dashboard(SPEC, port=0, token=TOKEN, gate=gate) as dashboard:
+    cockpit = Cockpit((Binding(("KeyI",), "on"),))
+    with Dashboard(SPEC, port=0, token=TOKEN, cockpit=cockpit, gate=gate) as dashboard:
 
         def run_episode() -> None:
             rollout(
@@ -195,11 +198,11 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
         wait_until(lambda: acts(Actor.EXPERT, 1.0), "expert after the threshold rose", page)
         page.get_by_text("Expert acts").wait_for()
         # While somebody drives, who watches moves nothing.
-        assert dashboard.cockpit.lease.take("somebody")
+        assert cockpit.order(Order.TAKE_OVER, "somebody")
         slider(page, 0).press("Home")
         page.wait_for_timeout(300)
         assert acts(Actor.EXPERT, 1.0)
-        dashboard.cockpit.lease.release("somebody")
+        assert cockpit.order(Order.HAND_BACK, "somebody")
         slider(page, 0).press("Home")
         wait_until(lambda: acts(Actor.POLICY, -1.0), "policy after the threshold fell", page)
         slider(page, 1).press("ArrowRight")

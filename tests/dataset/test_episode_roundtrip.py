@@ -3,7 +3,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.header import header_of, read_header, to_attributes
@@ -13,11 +13,12 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import (
     Episode,
 )
+from tests.cases import cases
 from tests.dataset.generated import episodes
 from tools.kill_recorder import identical
 
 
-@settings(max_examples=30, deadline=None)
+@cases(30)
 @given(episodes())
 def test_header_and_arrays_hold_all_of_an_episode(episode: Episode) -> None:
     header = header_of(episode)
@@ -31,8 +32,7 @@ def test_header_and_arrays_hold_all_of_an_episode(episode: Episode) -> None:
     assert identical(episode_from(read, arrays_of(episode, header)), episode)
 
 
-# Few and without a deadline: the disk's speed is no property of the code.
-@settings(max_examples=6, deadline=None)
+@cases(6)
 @given(episodes())
 def test_an_episode_comes_back_from_the_disk_to_the_bit(episode: Episode) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zarr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from zarr.codecs import ZstdCodec
 
 from sheath_manip.dataset.durable import publish_files
 from sheath_manip.dataset.zarr_files import array_files, group_files, within
+from tests.cases import cases
 
 anything = st.sampled_from(["uint8", "bool", "float32", "float64", "int64"]).flatmap(
     lambda dtype: arrays(dtype, array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=5))
@@ -27,7 +28,7 @@ def files(folder: Path) -> dict[str, bytes]:
     }
 
 
-@settings(max_examples=40, deadline=None)
+@cases(40)
 @given(anything, st.integers(1, 3))
 def test_an_array_is_what_zarr_itself_writes(values: NDArray, chunk: int) -> None:
     chunks = tuple(min(chunk, max(size, 1)) for size in values.shape)

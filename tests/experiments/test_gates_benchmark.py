@@ -168,7 +168,7 @@ def test_a_plan_may_name_its_tasks(tmp_path):
         benchmark(tmp_path, plan=replace(SMALL, tasks=("maze",)))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_two_processes_give_the_numbers_of_one(whole, tmp_path):
     benchmark(tmp_path, workers=2)
     assert summary_of(tmp_path) == summary_of(whole)

@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import ParameterError, SheathError
 from sheath_manip.learning import run as learning_run
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
@@ -28,6 +27,7 @@ from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Purpose
 from tests.run_files import digests, measured
 from tests.toy import CORRIDOR, PLAN, Corridor
+from tests.writing import WriterHere
 
 SMALL = "small-cnn"
 METHODS = ("sheath", "random-takeover")
@@ -192,7 +192,7 @@ class Cutter:
         self.when = when
         self.cut: set[str] = set()
         self.written = 0
-        self._wrap(patch, WriterProcess, "adopt", lambda args: str(args[1].header.info))
+        self._wrap(patch, WriterHere, "adopt", lambda args: str(args[1].header.info))
         self._wrap(patch, Checkpoint, "save", lambda args: str(args[1]))
         self._wrap(patch, learning_run, "write_result", lambda args: str(args[0]))
 
@@ -287,7 +287,7 @@ def test_listeners_hear_of_every_fit(whole, tmp_path):
     assert same(tmp_path / "run", whole)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_killed_it_resumes_to_the_same_result(whole, tmp_path):
     program = (
         "import sys; from pathlib import Path; from tests.learning.test_learning_run import learn; "

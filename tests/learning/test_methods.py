@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
@@ -25,6 +24,7 @@ from sheath_manip.policies.linear_svm import LinearSvm
 from sheath_manip.policies.smile import SmileMixture, expert_weight
 from sheath_manip.types import Action, Actor, Episode, Observation, Reason
 from tests.buttons import BUTTONS, PLAN, SPEC, ButtonCorridor
+from tests.writing import WriterHere
 
 # What is followed comes first.
 ORDER = sorted(METHODS, key=lambda name: METHODS[name].follows is not None)
@@ -262,7 +262,7 @@ class StoppedError(Exception):
 def _cut(monkeypatch) -> Iterator[None]:
     """Stops before every file, once."""
     seen: set[str] = set()
-    for owner, name in ((WriterProcess, "adopt"), (Checkpoint, "save")):
+    for owner, name in ((WriterHere, "adopt"), (Checkpoint, "save")):
         write = getattr(owner, name)
 
         def written(*arguments, write=write):

@@ -274,8 +274,8 @@ def test_what_a_command_filter_changed_is_in_the_step():
         AlwaysPolicy(), Scripted(lambda index: CHOICES[1 + index % 2]), environment=Halved()
     )
     for index, step in enumerate(episode.steps):
-        np.testing.assert_array_equal(step.wished, CHOICES[1 + index % 2])
-        assert step.wished is step.proposed
+        np.testing.assert_array_equal(step.requested, CHOICES[1 + index % 2])
+        assert step.requested is step.proposed
         np.testing.assert_array_equal(step.executed, CHOICES[1 + index % 2] / 2)
         assert [each.limit for each in step.limited] == ["speed"] * (index % 2)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from qpsolvers import solve_qp
 
@@ -10,6 +10,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.support.agreeing_states import AgreeingSupport
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
 from sheath_manip.support.one_class_svm import OneClassSupport
+from tests.cases import cases
 
 # daqp gives up on the nearly singular kernel of many points in a plane without it.
 RIDGE = 1e-8
@@ -78,7 +79,7 @@ def test_errors_within_the_support_are_flagged(kind, square):
     assert (aware.decision_function(right) >= 0).mean() > 0.85
 
 
-@settings(max_examples=100, deadline=None)
+@cases(100)
 @given(
     seed=st.integers(0, 2**32 - 1),
     share=st.floats(0, 1),

@@ -11,8 +11,8 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.expert import DrivingExpert
 from sheath_manip.tasks.driving.task import DrivingTask, Scenario
 from sheath_manip.types import EpisodeInfo, Outcome, Purpose
+from tests.cases import first_of
 
-SEEDS = range(1000, 1010)
 # What the expert knows is not in the picture, so a tiny one will do.
 SCENARIO = Scenario(render_px=16, pyramid_levels=1)
 
@@ -34,18 +34,15 @@ def expert(environment) -> DrivingExpert:
     return DrivingExpert(environment)
 
 
-@pytest.mark.slow
-def test_drives_ten_laps_without_a_failure(environment, expert):
-    outcomes = {}
-    for seed in SEEDS:
-        info = EpisodeInfo("driving", seed, Purpose.DEMONSTRATION, 10.0)
-        episode = rollout(
-            environment, info, AlwaysExpert(), rng=np.random.default_rng(0), expert=expert
-        )
-        outcomes[seed] = episode.outcome
-        # Weaving costs little.
-        assert len(episode) < 1.15 * environment.spec.max_steps / 1.5
-    assert set(outcomes.values()) == {Outcome.SUCCESS}, outcomes
+@pytest.mark.parametrize("seed", first_of(3, range(1000, 1020)))
+def test_drives_a_lap_without_a_failure(environment, expert, seed):
+    info = EpisodeInfo("driving", seed, Purpose.DEMONSTRATION, 10.0)
+    episode = rollout(
+        environment, info, AlwaysExpert(), rng=np.random.default_rng(0), expert=expert
+    )
+    assert episode.outcome is Outcome.SUCCESS
+    # Weaving costs little.
+    assert len(episode) < 1.15 * environment.spec.max_steps / 1.5
 
 
 def displaced(environment, task, s_m: float, lateral_m: float, turned_rad: float) -> None:

@@ -148,10 +148,10 @@ def test_what_the_filter_changed_is_in_step_and_store(environment, tmp_path):
     assert {"joint acceleration"} <= {each.limit for step in limited for each in step.limited}
     for step in episode.steps:
         acting = step.labelled if step.decision.actor is Actor.EXPERT else step.proposed
-        assert step.wished is acting
+        assert step.requested is acting
         if not step.limited:
-            np.testing.assert_array_equal(step.executed, step.wished)
-    assert any(np.abs(step.executed - step.wished).max() > 0.1 for step in limited)
+            np.testing.assert_array_equal(step.executed, step.requested)
+    assert any(np.abs(step.executed - step.requested).max() > 0.1 for step in limited)
     assert record_of(episode).limited_steps == len(limited) > 10
     store = EpisodeStore.create(tmp_path / "store")
     read = store.read(store.append(episode))
@@ -163,13 +163,13 @@ def test_wishes_run_the_episode_again_to_the_bit(environment):
     environment.reset(SEED)
     for step in episode.steps:
         np.testing.assert_array_equal(environment.state(), step.state)
-        environment.step(step.wished)
+        environment.step(step.requested)
     np.testing.assert_array_equal(environment.state(), episode.final_state)
     # And from the midst.
     middle = len(episode) // 2
     environment.restore(episode.steps[middle].state)
     for step in episode.steps[middle:]:
-        environment.step(step.wished)
+        environment.step(step.requested)
     np.testing.assert_array_equal(environment.state(), episode.final_state)
 
 

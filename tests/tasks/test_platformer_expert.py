@@ -28,7 +28,6 @@ def expert(environment) -> PlatformerExpert:
     return PlatformerExpert(environment)
 
 
-@pytest.mark.slow
 def test_completes_stages(environment, expert):
     distances = []
     for seed in range(900, 906):

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sheath_manip.tasks.driving.track import Track
+from tests.cases import cases
 
 TRACK = Track()
 TRACKS = (TRACK, Track(half_length=30.0, half_width=12.0, corner_radius=6.0, road_half_width=3.0))
@@ -18,8 +19,7 @@ def apart(s, other, lap):
     return abs((s - other + lap / 2) % lap - lap / 2)
 
 
-# The machine's speed is no property of the code.
-@settings(deadline=None)
+@cases(100)
 @given(tracks, laps, sides)
 def test_pose_and_coordinates_are_inverse(track, share, side):
     s, lateral = share * track.lap_length, side * track.road_half_width
@@ -30,7 +30,7 @@ def test_pose_and_coordinates_are_inverse(track, share, side):
     assert np.cos(back_heading - heading) == pytest.approx(1)
 
 
-@settings(deadline=None)
+@cases(100)
 @given(tracks, laps, sides, st.floats(-0.5, 0.5))
 def test_a_step_along_the_road_is_a_step_of_s(track, share, side, step_m):
     s, lateral = share * track.lap_length, side * track.road_half_width
@@ -42,7 +42,7 @@ def test_a_step_along_the_road_is_a_step_of_s(track, share, side, step_m):
     assert walked >= abs(step_m) * (2 - stretch) * 0.9 - 1e-9
 
 
-@settings(deadline=None)
+@cases(100)
 @given(tracks, laps)
 def test_left_is_towards_the_inside(track, share):
     s = np.array(share * track.lap_length)

@@ -22,14 +22,21 @@ _EPISODE = {
 
 
 class Controls:
-    """Every element only queues an order; the control loop follows it at its next step."""
+    """Every element only gives an order, and returns.
+
+    A click means what its button said when it was last drawn: what has changed since, its giver has
+    not seen. The stop is a button of its own, so that a page which lags behind cannot reset one.
+    """
 
     def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
         self._desk = desk
         self._cockpit = cockpit
+        self._drawn = cockpit.state
         gui, operated = desk.viser.gui, bool(cockpit.guide)
         self.stop = gui.add_button("STOP (Space)", color="red", visible=operated)
+        self.reset = gui.add_button("Reset the stop (R)", color="gray", visible=False)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
+        self.go_on = gui.add_button("Let the policy go on (H)", color="gray", visible=False)
         self.pause = gui.add_button("Pause (P)", color="gray", icon=viser.Icon.PLAYER_PAUSE)
         self.step = gui.add_button(
             "One step (.)", color="gray", icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
@@ -39,8 +46,10 @@ class Controls:
         )
         self.episode = gui.add_button_group("Episode", tuple(_EPISODE), visible=operated)
         gui.add_html(_guide(cockpit), visible=operated)
-        self._bind(self.stop, lambda state: Order.RESET if state.stopped else Order.STOP)
-        self._bind(self.take, lambda state: Order.HAND_BACK if state.taken else Order.TAKE_OVER)
+        self._bind(self.stop, lambda _: Order.STOP)
+        self._bind(self.reset, lambda _: Order.RESET)
+        self._bind(self.take, lambda drawn: Order.HAND_BACK if drawn.taken else Order.TAKE_OVER)
+        self._bind(self.go_on, lambda _: Order.HAND_BACK)
         self._bind(self.pause, lambda _: Order.RESUME if cockpit.paused else Order.PAUSE)
         self._bind(self.step, lambda _: Order.STEP)
 
@@ -56,24 +65,25 @@ class Controls:
 
     def draw(self, moment: Moment) -> None:  # noqa: ARG002
         """Have each button offer the other of its two."""
-        state = self._cockpit.state
-        paused = self._cockpit.paused
-        self.stop.label = "Reset the stop (R)" if state.stopped else "STOP (Space)"
+        self._drawn = state = self._cockpit.state
+        self.reset.visible = state.stopped
         self.take.label = _take(state)
         self.take.color = "green" if state.taken else "orange"
-        self.pause.label = "Resume (P)" if paused else "Pause (P)"
-        self.pause.icon = viser.Icon.PLAYER_PLAY if paused else viser.Icon.PLAYER_PAUSE
-        self.pause.color = "green" if paused else "gray"
-        self.step.visible = paused
+        self.go_on.visible = state.abandoned
+        self.pause.label = "Resume (P)" if state.paused else "Pause (P)"
+        self.pause.icon = viser.Icon.PLAYER_PLAY if state.paused else viser.Icon.PLAYER_PAUSE
+        self.pause.color = "green" if state.paused else "gray"
+        self.step.visible = state.paused
 
     def _bind(self, button: viser.GuiButtonHandle, meant: Callable[[State], Order]) -> None:
         @button.on_click
         async def _(event: viser.GuiEvent) -> None:
-            self._give(meant(self._cockpit.state), event)
+            self._give(meant(self._drawn), event)
 
     def _give(self, order: Order, event: viser.GuiEvent, value: float = 1.0) -> None:
         if event.client_id is not None:
-            self._cockpit.order(order, station_of(event.client_id), value)
+            station = station_of(event.client_id)
+            self._cockpit.order(order, station, value, self._drawn.stops)
         self._desk.wake()
 
 

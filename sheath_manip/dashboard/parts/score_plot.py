@@ -48,7 +48,7 @@ class ScorePlot:
                     "width": 1.5,
                     "dash": (6, 4),
                 },
-                _band("expert acts", palette.css(palette.ACTOR[Actor.EXPERT]) + "50"),
+                _band("the policy does not act", palette.css(palette.ACTOR[Actor.EXPERT]) + "50"),
                 _band("command limited", palette.css(palette.LIMITED)),
                 _band("now", palette.css(palette.INK) + ("90" if ahead else "00")),
             ),
@@ -80,7 +80,7 @@ class ScorePlot:
                 trace.time_s[first:] - trace.time_s[moment.at],
                 score,
                 trace.threshold[first:],
-                trace.by_expert[first:],
+                ~trace.by_policy[first:],
                 LIMITED_BAND * trace.limited[first:],
                 now,
             )

@@ -15,6 +15,7 @@ from sheath_manip.types import Actor
 from sheath_manip.types.samples import Samples
 
 TRAIL_STEPS = 300
+TRAIL = (Actor.POLICY, Actor.EXPERT)
 RATE_HZ = 6.0
 NO_TRAINING = "The support appears here with the first training states."
 
@@ -62,8 +63,8 @@ class SupportMap:
     def _track_until(self, moment: Moment) -> Track:
         shown = slice(max(moment.at + 1 - TRAIL_STEPS, 0), moment.at + 1)
         actors = tuple(
-            Actor.EXPERT if by_expert else Actor.POLICY
-            for by_expert in moment.trace.by_expert[shown].tolist()
+            Actor.POLICY if by_policy else Actor.EXPERT
+            for by_policy in moment.trace.by_policy[shown].tolist()
         )
         return Track(self._places(moment)[shown], actors)
 
@@ -80,7 +81,7 @@ class SupportMap:
 def _legend() -> str:
     nus = ", ".join(map(str, NUS))
     trail = " and ".join(
-        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>' for actor in Actor
+        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>' for actor in TRAIL
     )
     return (
         f'<div style="{TEXT}">trail of {trail} <span style="opacity:.6">· dots: training states · '

@@ -9,9 +9,9 @@ from sheath_manip.dashboard.markup import TEXT, caption
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.playback import palette
-from sheath_manip.playback.labels import acting_and_why
-from sheath_manip.playback.trace import REASONS, Trace
-from sheath_manip.types import Reason
+from sheath_manip.playback.labels import actor_and_reason_label
+from sheath_manip.playback.trace import ACTORS, REASONS, Trace
+from sheath_manip.types import Actor
 
 BINS = 240
 """at most: more are finer than the strip's pixels"""
@@ -51,14 +51,21 @@ def _strip(moment: Moment, rate_hz: float) -> str:
 
 
 def _turns(trace: Trace, steps: int) -> str:
-    """Of each bin the colour of its last step, but the expert's where it acted at all in it."""
+    """Colour each bin by its last step, but where the policy did not act at all in it, by why."""
     width = -(-steps // BINS)
-    # Policy steps are 0, the expert's 1 + place of the reason: so the largest one shows.
-    codes = np.where(trace.by_expert, 1 + trace.reason.astype(int), 0)
+    # Policy steps are -1, others their reason's place and who acted: so the largest one shows.
+    codes = np.where(trace.by_policy, -1, trace.reason.astype(int) * len(ACTORS) + trace.actor)
     edges = np.arange(0, len(codes), width)
     shown = np.maximum.reduceat(codes, edges) if len(codes) else codes
-    colours = [palette.css(palette.turn(code > 0, REASONS[max(code - 1, 0)])) for code in shown]
+    colours = [palette.css(_colour(int(code))) for code in shown]
     return _gradient(colours, width, len(trace), steps)
+
+
+def _colour(code: int) -> palette.Rgb:
+    if code < 0:
+        return palette.ACTOR[Actor.POLICY]
+    reason, actor = divmod(code, len(ACTORS))
+    return palette.turn(ACTORS[actor], REASONS[reason])
 
 
 def _limits(trace: Trace, steps: int) -> str:
@@ -86,13 +93,11 @@ def _gradient(colours: list[str], width: int, length: int, steps: int) -> str:
 def _legend(trace: Trace) -> str:
     """What occurred in this episode."""
     entries: list[tuple[str, palette.Rgb]] = []
-    if not trace.by_expert.all():
-        entries.append(("policy", palette.turn(False, Reason.INSIDE)))
-    occurred = np.unique(trace.reason[trace.by_expert])
-    entries += [
-        (acting_and_why(True, REASONS[code]), palette.turn(True, REASONS[code]))
-        for code in occurred
-    ]
+    if trace.by_policy.any():
+        entries.append(("policy", palette.ACTOR[Actor.POLICY]))
+    others = np.flatnonzero(~trace.by_policy)
+    occurred = dict.fromkeys(trace.who_and_why(step) for step in others)
+    entries += [(actor_and_reason_label(*why), palette.turn(*why)) for why in occurred]
     if trace.limited.any():
         entries.append(("command limited", palette.LIMITED))
     return " &nbsp; ".join(

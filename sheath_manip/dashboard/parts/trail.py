@@ -55,9 +55,9 @@ class Trail:
         way = shown.tool_m[first:].astype(np.float32)
         drawable = len(way) > 1 and bool(np.isfinite(way).all())
         if drawable:
-            by_expert = shown.by_expert[first + 1 :]
+            by_policy = shown.by_policy[first + 1 :]
             expert, policy = (palette.linear(palette.ACTOR[actor]) for actor in ACTORS)
-            colours = np.where(by_expert[:, None], expert, policy)
+            colours = np.where(by_policy[:, None], policy, expert)
             _set_line(self._line, np.stack([way[:-1], way[1:]], 1), colours.astype(np.uint8))
         self._line.visible = drawable
         contacts = moment.pose.contacts_m

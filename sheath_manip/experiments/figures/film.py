@@ -50,7 +50,7 @@ def film(shown: Intervention, path: Path) -> None:
 def _frame(shown: Intervention, index: int, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """(h, w, 3) RGB: the camera in the colour of who acts, below it the score up to now."""
     step = shown.episode.steps[index]
-    expert = step.decision.actor is Actor.EXPERT
+    expert = step.decision.actor is not Actor.POLICY
     colour = _rgb(EXPERT if expert else POLICY)
     width_px = round(HEIGHT_PX * image.shape[1] / image.shape[0])
     size = (width_px, HEIGHT_PX)

@@ -47,7 +47,7 @@ def _frame(axes: Axes, step: Step, image: NDArray[np.uint8], letter: str) -> Non
     axes.set_xticks([])
     axes.set_yticks([])
     axes.grid(False)
-    colour = EXPERT if step.decision.actor is Actor.EXPERT else POLICY
+    colour = POLICY if step.decision.actor is Actor.POLICY else EXPERT
     for spine in axes.spines.values():
         spine.set(visible=True, color=colour, linewidth=4)
     axes.set_title(f"{letter}  {step.decision.actor}", color=colour, fontweight="bold")

@@ -126,8 +126,8 @@ def best_intervention(
 
 
 def expert_acted(episode: Episode) -> NDArray[np.bool_]:
-    """(t,) where the expert drove."""
-    return np.array([step.decision.actor is Actor.EXPERT for step in episode.steps])
+    """(t,) where somebody else than the policy acted."""
+    return np.array([step.decision.actor is not Actor.POLICY for step in episode.steps])
 
 
 def _steps(episode: Episode, duration_s: float) -> int:

@@ -18,11 +18,11 @@ from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.rollout.executors import in_stages, run_jobs
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 
 def run_gates(
-    tasks: Iterable[TaskEntry],
+    tasks: Iterable[Task],
     plan: GatesPlan,
     *,
     runs: Path,

@@ -13,7 +13,7 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_path
 from sheath_manip.protocols import Environment
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Episode, Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, samples_from
 
@@ -22,7 +22,7 @@ from sheath_manip.types.samples import Samples, samples_from
 class Setting:
     """It travels to worker processes; what it names is read from the disk there."""
 
-    task: TaskEntry
+    task: Task
     plan: GatesPlan
     runs: Path
     """of this task"""

@@ -13,7 +13,7 @@ from sheath_manip.experiments.gates.loop import Loop, read_loop
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.experiments.gates.rows import BASELINES, EXPERT, POLICY, default_name, rows
 from sheath_manip.experiments.gates.setting import Setting
-from sheath_manip.experiments.summary import git_revision
+from sheath_manip.experiments.summary import program
 from sheath_manip.json_files import plain
 from sheath_manip.metrics import EpisodeRecord, Figures, expert_share, figures_of
 
@@ -66,7 +66,7 @@ def summarise(
         {
             "experiment": "gates",
             "command": command,
-            "git": git_revision(),
+            **program(),
             "seeds": plan.seeds,
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),

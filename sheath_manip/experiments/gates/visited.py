@@ -101,7 +101,7 @@ def visits(setting: Setting) -> list[Visit]:
 
 def _visit(episode: Episode, costly_regret: float, action: ActionSpec) -> Visit:
     steps, samples = episode.steps, samples_from([episode])
-    wished = np.stack([step.wished for step in steps])
+    wished = np.stack([step.requested for step in steps])
     return Visit(
         samples,
         # A proposal that was no action has no regret: the expert acted.

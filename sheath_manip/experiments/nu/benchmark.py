@@ -17,11 +17,11 @@ from sheath_manip.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.rollout.executors import run_jobs
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 
 def run_nu(
-    tasks: Iterable[TaskEntry],
+    tasks: Iterable[Task],
     plan: NuPlan,
     *,
     runs: Path,

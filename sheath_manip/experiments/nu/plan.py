@@ -6,7 +6,7 @@ from typing import Any
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 METHOD = "sheath"
 
@@ -35,7 +35,7 @@ class NuPlan:
         """As plain values, for summaries."""
         return dataclasses.asdict(self)
 
-    def of(self, task: TaskEntry, nu: float) -> LearningPlan:
+    def of(self, task: Task, nu: float) -> LearningPlan:
         """What runs on `task` for one nu."""
         plan = task.plans[self.learning].changed(
             gate={"support": {"nu": nu}}, comparison={"methods": (METHOD,)}

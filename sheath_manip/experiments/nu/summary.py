@@ -12,21 +12,21 @@ from rich.table import Table
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.nu.plan import METHOD, NuPlan
-from sheath_manip.experiments.summary import git_revision
+from sheath_manip.experiments.summary import program
 from sheath_manip.experiments.summary import summarise as summarise_learning
 from sheath_manip.experiments.table import seeds_shown, with_interval
 from sheath_manip.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_results
 from sheath_manip.metrics import record_of
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 
 @dataclass(frozen=True)
 class Setting:
     """One nu on one task."""
 
-    task: TaskEntry
+    task: Task
     nu: float
     plan: LearningPlan
     runs: Path
@@ -65,7 +65,7 @@ def summarise(
         {
             "experiment": "nu",
             "command": command,
-            "git": git_revision(),
+            **program(),
             "seeds": sorted({seed for at in settings for seed in at.seeds}),
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),

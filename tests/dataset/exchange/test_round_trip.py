@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from sheath_manip.dataset.check import check
@@ -15,6 +15,7 @@ from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
 from sheath_manip.dataset.header import to_attributes
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.tasks.table import TASKS
+from tests.cases import cases
 from tests.dataset.generated import of_task
 from tools.kill_recorder import identical
 
@@ -35,9 +36,8 @@ def bytes_of(path: Path) -> dict[str, bytes]:
 
 @pytest.mark.parametrize("target", FORMATS)
 @pytest.mark.parametrize("task", ["corridor", *TASKS])
-@settings(
-    max_examples=3,
-    deadline=None,
+@cases(
+    3,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(seed=st.integers(0, 2**32))

@@ -1,0 +1,73 @@
+"""How things stand at the controls: one small value, replaced as a whole and never changed."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from sheath_manip.cockpit.given import Given
+from sheath_manip.cockpit.lease import NOBODY, Lease
+
+
+class Ending(StrEnum):
+    """How a person ends an episode."""
+
+    SUCCESS = "success"
+    FAILURE = "failure"
+    SAVE = "save"
+    DISCARD = "discard"
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """Everything that people's orders have come to so far, and who drives."""
+
+    operated: bool
+    """whether a person may drive this run at all"""
+    lease: Lease = NOBODY
+    abandoned: bool = False
+    """whether who drove was lost or stopped, and nobody has said since who goes on"""
+    stops: int = 0
+    """emergency stops so far; the newest one has this number"""
+    cleared: int = 0
+    """the number of the newest one that was reset"""
+    halted: bool = False
+    """whether the loop was not let on since the last stop: a reset alone does not do that"""
+    paused: bool = False
+    steps: int = 0
+    """single ones that a paused run is still to do"""
+    speed: float = 1.0
+    ending: Ending | None = None
+    """how the person ends the episode, once it was said"""
+    closed: bool = False
+    """whether the page is gone, so that nobody will ever answer"""
+
+    @property
+    def stopped(self) -> bool:
+        """Whether there is a stop that nobody has reset."""
+        return self.cleared < self.stops
+
+    @property
+    def taken(self) -> bool:
+        """Whether a person has taken over."""
+        return self.lease.holder is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Now:
+    """What the control loop goes by in one step."""
+
+    stopped: bool
+    taken: bool
+    """whether a person has taken over"""
+    given: Given | None
+    """of the operator; None where nobody was heard of for too long"""
+    abandoned: bool = False
+    """whether who had taken over is gone without handing back"""
+    halted: bool = False
+    """whether nothing may move: stopped, or reset and not yet resumed"""
+    ending: Ending | None = None
+    closed: bool = False
+
+    @property
+    def must_hold(self) -> bool:
+        """Whether nobody may act, not even a fallback, until a person says so."""
+        return self.halted or self.abandoned or (self.taken and self.given is None)

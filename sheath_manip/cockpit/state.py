@@ -1,0 +1,38 @@
+"""What the page shows of the cockpit."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Turn(StrEnum):
+    """Who acts in a step."""
+
+    POLICY = "policy"
+    PERSON = "person"
+    HOLD = "hold"
+    FALLBACK = "fallback"
+
+
+@dataclass(frozen=True)
+class State:
+    """What the page shows of the cockpit, and what its orders go by."""
+
+    operated: bool
+    """whether a person may drive this run at all"""
+    paused: bool = False
+    speed: float = 1.0
+    stopped: bool = False
+    stops: int = 0
+    """emergency stops so far: a reset says this number, and clears none that came later"""
+    taken: bool = False
+    abandoned: bool = False
+    """whether who drove was lost or stopped: the robot holds until somebody says who goes on"""
+    turn: Turn = Turn.POLICY
+    asking: bool = False
+    """whether the robot waits for a person"""
+    left_s: float = 0.0
+    """until somebody else acts in the person's place"""
+    operator: str | None = None
+    """the station that drives"""
+    stand_in: str = "stand-in"
+    """who acts where nobody comes, in words"""

@@ -1,0 +1,192 @@
+"""What is taken of a look: readers, each a small value, so that equal ones share the reading."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch.nn import functional
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.spatial_network import image_points
+from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.types import Observations, Proposal
+
+MIDDLE = 0.5
+"""share of a layer's sides that lies around the middle of the image"""
+CONVOLUTION = "convolution "
+"""what the latents of convolution layers are called, and then their number or camera"""
+
+
+def layers_of(proposal: Proposal) -> dict[str, torch.Tensor]:
+    """(n, c, h, w) what convolution layers made of the images, first to last or by camera.
+
+    Raises ParameterError where the policy has none.
+    """
+    found = {
+        name.removeprefix(CONVOLUTION): layer
+        for name, layer in proposal.latents.items()
+        if name.startswith(CONVOLUTION)
+    }
+    if not found:
+        raise ParameterError(
+            "the policy has no convolutions to look through; it gives "
+            f"{', '.join(sorted(proposal.latents)) or 'nothing'}: wanted a policy such as cnn, or "
+            "the embedding 'pixels'"
+        )
+    return found
+
+
+@dataclass(frozen=True)
+class Latent:
+    """A latent of (n, d), as it is."""
+
+    name: str
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, d); ParameterError where the policy gives none of that name."""
+        del observations
+        if self.name not in proposal.latents:
+            raise ParameterError(
+                f"the policy gives no {self.name!r} of what it sees; it gives "
+                f"{', '.join(sorted(proposal.latents)) or 'nothing'}"
+            )
+        return np.asarray(proposal.latents[self.name])
+
+
+@dataclass(frozen=True)
+class MiddleOfLastLayer:
+    """The last convolution layer's cells around the middle of the image, at its own resolution."""
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, channels[-1] * cells)."""
+        del observations
+        layer = list(layers_of(proposal).values())[-1]
+        top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
+        middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
+        return middle.flatten(1).numpy()
+
+
+@dataclass(frozen=True)
+class LayerOnGrid:
+    """What a convolution layer shows in each cell of a square grid, on average."""
+
+    layer: int
+    """its number, from 0"""
+    side: int
+    """cells of the grid, each way"""
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, c * side²)."""
+        del observations
+        layer = list(layers_of(proposal).values())[self.layer]
+        return functional.adaptive_avg_pool2d(layer, self.side).flatten(1).numpy()
+
+
+@dataclass(frozen=True)
+class CamerasOnGrid:
+    """Every camera's convolution layer, or some cameras', averaged over a square grid."""
+
+    side: int
+    """cells of the grid, each way"""
+    cameras: tuple[str, ...] = ()
+    """all where none is named"""
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, cameras * c * side²), the cameras in the order of their names."""
+        del observations
+        layers = layers_of(proposal)
+        pooled = [
+            functional.adaptive_avg_pool2d(layers[name], self.side).flatten(1)
+            for name in self.cameras or sorted(layers)
+        ]
+        return torch.cat(pooled, dim=1).numpy()
+
+
+@dataclass(frozen=True)
+class PointsOfCameras:
+    """Where each channel of every camera's convolution layer responds in the image."""
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, cameras * 2 c), the cameras in the order of their names."""
+        del observations
+        layers = layers_of(proposal)
+        return torch.cat([image_points(layers[name]) for name in sorted(layers)], dim=1).numpy()
+
+
+@dataclass(frozen=True)
+class ShrunkPixels:
+    """Every camera's image, or its middle, shrunk by area."""
+
+    side: int
+    """pixels of the square image that is left"""
+    middle: float
+    """share of the image's sides that is looked at, around its middle; in 0..1"""
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, cameras * 3 side²), each 0..1, the cameras in the order of their names."""
+        del proposal
+        images = observations.images
+        if not images:
+            raise ParameterError(
+                "there is no camera whose pixels could be looked at; wanted a task with one, or "
+                "the embedding 'features'"
+            )
+        return np.concatenate([self._of_camera(images[name]) for name in sorted(images)], axis=1)
+
+    def _of_camera(self, images: NDArray[np.uint8]) -> NDArray[np.float32]:
+        top, left = (round(side * (1 - self.middle) / 2) for side in images.shape[1:3])
+        middles = images[:, top : images.shape[1] - top, left : images.shape[2] - left]
+        small = np.empty((len(images), self.side, self.side, 3), np.uint8)
+        for index, image in enumerate(middles):
+            cv2.resize(image, (self.side, self.side), small[index], interpolation=cv2.INTER_AREA)
+        return small.reshape(len(small), -1).astype(np.float32) / np.float32(255)
+
+
+@dataclass(frozen=True)
+class ObservedFeatures:
+    """`Observation.features` as they are."""
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """(n, f)."""
+        del proposal
+        return np.asarray(observations.features, dtype=np.float32)
+
+
+@dataclass(frozen=True)
+class SeenFromTool:
+    """What another reader takes of what an egocentric policy was shown."""
+
+    reader: Reader
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """As the other reader's; ParameterError where the policy does not look from a tool."""
+        del observations
+        latents = proposal.latents
+        if "tool images" not in latents:
+            raise ParameterError(
+                "an embedding of what is seen from the tool needs the policy egocentric-cnn; "
+                "wanted that policy, or the embedding 'pixels'"
+            )
+        shown = Observations(latents["tool images"], latents["tool features"])
+        return self.reader(shown, proposal)
+
+
+@dataclass(frozen=True, eq=False)
+class ThroughAnotherPolicy:
+    """What another reader takes of the same images in another policy's eyes."""
+
+    policy: TrainablePolicy
+    reader: Reader
+
+    def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
+        """As the other reader's."""
+        del proposal
+        return self.reader(observations, self.policy.predict(observations))
+
+
+def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:
+    """Return all of `readers` without those that are equal to an earlier one."""
+    return tuple(dict.fromkeys(readers))

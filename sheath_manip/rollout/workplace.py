@@ -1,0 +1,64 @@
+"""Where episodes are run: one environment, kept as long as the next episode wants the same."""
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest, run_request
+from sheath_manip.task import Task
+from sheath_manip.types import Episode
+
+
+class Workplace:
+    """Makes environment and crew of a request, or has them still; to be closed.
+
+    Making an environment costs .1 to .75 s, and reading a checkpoint as much.
+    """
+
+    def __init__(self) -> None:
+        self._place: tuple[Task, str, int] | None = None
+        self._environment: Environment | None = None
+        self._driver: Driver | None = None
+        self._crew: Crew | None = None
+
+    def run(
+        self,
+        request: EpisodeRequest,
+        listeners: Sequence[Listener] = (),
+        report: Report = lambda _: None,
+    ) -> Episode:
+        """Run the episode."""
+        environment = self.environment(request.task, request.variant, request.info.run_seed)
+        if self._crew is None or self._driver != request.driver:
+            self._crew = request.driver.crew(request.task, environment)
+            self._driver = request.driver
+        return run_request(request, environment, self._crew, listeners, report)
+
+    def environment(self, task: Task, variant: str, run_seed: int) -> Environment:
+        """Return the environment that stands here, another one only where another is wanted."""
+        # Only a variant of the run's own is another one in another run.
+        place = task, variant, run_seed if variant in task.run_variants else 0
+        if self._environment is None or self._place != place:
+            self.close()
+            self._environment = task.make_for_run(variant, run_seed)
+            self._place = place
+        return self._environment
+
+    def close(self) -> None:
+        """Free the simulator."""
+        environment, self._environment = self._environment, None
+        self._crew = self._driver = None
+        if environment is not None:
+            environment.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
