@@ -95,8 +95,9 @@ def _choice(name: str, verb: type[Verb], tasks: Tasks, argv: Sequence[str]) -> A
     if not (list(argv[:1]) == [name] and issubclass(verb, Planned)):
         return Annotated[verb, tyro.conf.subcommand(name, prefix_name=False)]
     wanted, before = verb_for(verb, tasks, argv[1:])
-    default = tyro.MISSING if before is None else before
-    return Annotated[wanted, tyro.conf.subcommand(name, default=default, prefix_name=False)]
+    if before is None:
+        return Annotated[wanted, tyro.conf.subcommand(name, prefix_name=False)]
+    return Annotated[wanted, tyro.conf.subcommand(name, default=before, prefix_name=False)]
 
 
 def _bound(verb: type[Verb], task: str) -> type[Verb]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self, TypeVar
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.policies.config import PolicyConfig
 
@@ -112,6 +112,10 @@ class LearningPlan:
 
 
 def _changed(config: Config, values: Mapping[str, Any]) -> Config:
+    known = [each.name for each in dataclasses.fields(config)]  # pyright: ignore
+    for name in values:
+        if name not in known:
+            raise UnknownNameError(f"setting of {type(config).__name__}", name, known)
     new = {
         name: _changed(held, value)
         if dataclasses.is_dataclass(held := getattr(config, name)) and isinstance(value, Mapping)

@@ -84,6 +84,8 @@ def test_unknown_method(complaint):
 @pytest.mark.parametrize(
     ("option", "value"),
     [
+        ("policy.settings", "{"),
+        ("policy.settings", 3),
         ("gate.support.nu", -0.1),
         ("gate.support.nu", float("nan")),
         ("gate.support.bandwidth-factor", -1),

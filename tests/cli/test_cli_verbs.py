@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
+from sheath_manip.cli.planned import asked_policy
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.gates.plan import PLANS
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.learning.checkpoint import load_checkpoint
+from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import with_nu
 from sheath_manip.learning.training_data import trained_on
+from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.rollout import pacing
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
@@ -224,6 +227,33 @@ def test_experiment_hands_over_its_settings(sheath, asked):
     assert call["command"] == (
         "sheath experiment corridor --seeds 4 5 --rounds 3 --methods cloning --workers 1"
     )
+
+
+def test_experiment_takes_settings_of_every_part(sheath, asked):
+    argv = ("experiment", "corridor", "--gate.support.nu", 0.2, "--policy.name", "hog-svm")
+    settings = ("--policy.settings", '{"bins": 4}', "--demonstrations", 5)
+    assert sheath(*argv, *settings, "--final-variant", "default")[0] == 0
+    assert asked[0]["plan"] == PLAN.changed(
+        policy={"name": "hog-svm", "settings": {"bins": 4}},
+        gate={"support": {"nu": 0.2}},
+        schedule={"demonstrations": 5},
+        comparison={"final_variant": "default"},
+    )
+
+
+def test_help_of_a_task_has_its_plans_values(sheath):
+    _, out, _ = sheath("experiment", "corridor", "--plan", "quick", "--help")
+    assert "expert episodes before round 1 (default: 4)" in out
+    _, out, _ = sheath("experiment", "--help")
+    assert "expert episodes before round 1 (default: 10)" in out
+
+
+def test_another_policy_does_not_get_the_settings_of_the_plans():
+    plan = LearningPlan(policy=PolicyConfig("cnn", {"steps": 4}))
+    assert asked_policy(PolicyConfig("hog-svm", {"steps": 4}), plan) == PolicyConfig("hog-svm")
+    own = PolicyConfig("hog-svm", {"bins": 4})
+    assert asked_policy(own, plan) == own
+    assert asked_policy(plan.policy, plan) == plan.policy
 
 
 def test_experiment_quick_stays_out_of_the_results(sheath, asked):

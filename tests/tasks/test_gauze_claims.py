@@ -46,8 +46,8 @@ def broken(directory: Path, wall_s: float = 3600.0, **changed: tuple[float, floa
                 policy=records(0.0, alone / 100, iou),
                 final=records(0.0, alone / 100, iou),
             )
-            for seed in SETTINGS.seeds
-            for number in range(SETTINGS.rounds + 1)
+            for seed in SETTINGS.comparison.seeds
+            for number in range(SETTINGS.schedule.rounds + 1)
         ]
     expert = records(0.0, 1.0, 0.99)
     registered = plain(asdict(figures_of(records(0.0, 0.17, 0.94))))

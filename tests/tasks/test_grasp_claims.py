@@ -43,8 +43,8 @@ def broken(directory: Path, plan: str = "full", **changed: tuple[float, float, i
                 policy=records(0.0, alone / 100 if number else 0.5, 0, 100),
                 final=records(0.0, alone / 100, 0, 100),
             )
-            for seed in settings.seeds
-            for number in range(settings.rounds + 1)
+            for seed in settings.comparison.seeds
+            for number in range(settings.schedule.rounds + 1)
         ]
     place = "grasp-clutter" if plan == "full" else f"grasp-clutter-{plan}"
     summary = summarise(place, settings, results, records(0, 1, 100, 10), "sheath", 1.0)
