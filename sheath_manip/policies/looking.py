@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies.displacement import displaced
-from sheath_manip.protocols import Reader, Signal, TrainablePolicy
+from sheath_manip.protocols import Embedding, Reader, Signal, TrainablePolicy
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation, Proposal
 from sheath_manip.types.samples import Samples
@@ -29,14 +29,14 @@ def look(policy: TrainablePolicy, samples: Samples, readers: Sequence[Reader] = 
     return parts[0] if len(parts) == 1 else _together(parts)
 
 
-def look_to_fit(policy: TrainablePolicy, samples: Samples, signal: Signal) -> Seen:
-    """Return training states as `policy` sees them, with all that `signal` wants to be fitted to.
+def look_to_fit(policy: TrainablePolicy, samples: Samples, to_fit: Signal | Embedding) -> Seen:
+    """Return training states as `policy` sees them, with all that `to_fit` wants to be fitted to.
 
-    `signal` is attached to the policy by this.
+    `to_fit` is attached to the policy by this.
     """
-    readers = signal.attach(policy)
+    readers = to_fit.attach(policy)
     seen = look(policy, samples, readers)
-    if not signal.uses_displaced:
+    if not to_fit.uses_displaced:
         return seen
     count = min(MOST_DISPLACED, 2 * len(samples))
     rows = generator("displaced images"), count

@@ -9,6 +9,7 @@ beta = (1 - α)^n); what is left, renormalised, is this policy, and all there is
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Self
 
 import numpy as np
@@ -101,14 +102,18 @@ class SmileMixture:
         return Proposal(likeliest, latents)
 
     def propose(self, observations: Observations) -> Proposal:
-        """Propose what the policy says that is drawn for this step."""
+        """Propose what the policy says that is drawn for this step.
+
+        Latents: those of `predict`, so that a signal judges by what it was fitted to.
+        """
         weights = self.weights()
         # By the cumulated weights, which `choice` would check anew at each step.
         drawn = int(np.searchsorted(np.cumsum(weights), self._rng.random(), side="right"))
-        return self.members_[min(drawn, len(weights) - 1)].propose(observations)
+        seen = self.predict(observations)
+        return replace(seen, actions=seen.latents["members"][:, min(drawn, len(weights) - 1)])
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
-        """(n,) the expected losses of the draw; where a draw was made, those of that one."""
+        """(n,) the expected losses of the draw; of actions without latents, their own."""
         if "members" not in proposal.latents:
             return self.members_[0].surrogate_losses(proposal, labels)
         losses = [
