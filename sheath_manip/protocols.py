@@ -109,7 +109,7 @@ class TakesOver(Expert, Protocol):
 
 @runtime_checkable
 class Follows(Protocol):
-    """An expert that must know the way that was travelled, or a policy that looks at the physics."""
+    """An expert that must know the way travelled, or a policy that looks at the physics."""
 
     def follow(self, observation: Observation) -> None:
         """Look at the state at each step, before anyone acts."""

@@ -142,7 +142,7 @@ class ShrunkPixels:
         small = np.empty((len(images), self.side, self.side, 3), np.uint8)
         for index, image in enumerate(middles):
             cv2.resize(image, (self.side, self.side), small[index], interpolation=cv2.INTER_AREA)
-        return small.reshape(len(small), -1).astype(np.float32) / np.float32(255)
+        return small.reshape(len(small), 3 * self.side**2).astype(np.float32) / np.float32(255)
 
 
 @dataclass(frozen=True)

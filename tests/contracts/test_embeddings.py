@@ -17,8 +17,8 @@ from sheath_manip.policies import (
     make_embedding,
     make_policy,
 )
-from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.policies.looking import look
+from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.support import OneClassSupport
 from sheath_manip.types.samples import Samples
