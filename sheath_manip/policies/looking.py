@@ -1,6 +1,6 @@
 """Looking at states through a policy: each image passes each network once."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -52,7 +52,7 @@ def look_to_fit(policy: TrainablePolicy, samples: Samples, to_fit: Signal | Embe
 def seen_in(observation: Observation, proposal: Proposal, readers: Sequence[Reader]) -> Seen:
     """Return one state as the policy saw it when it made `proposal`: nothing is looked at again."""
     alone = observation.alone
-    readings = {reader: reader(alone, proposal) for reader in readers}
+    readings: dict[Hashable, NDArray] = {reader: reader(alone, proposal) for reader in readers}
     return Seen(alone.features, proposal.now, readings)
 
 
@@ -61,7 +61,9 @@ def _looked(
 ) -> Seen:
     observations, labels = samples.observations.rows(rows), samples.labels[rows]
     proposal = policy.predict(observations)
-    readings = {reader: reader(observations, proposal) for reader in readers}
+    readings: dict[Hashable, NDArray] = {
+        reader: reader(observations, proposal) for reader in readers
+    }
     losses = policy.surrogate_losses(proposal, labels)
     known = np.where(np.isfinite(labels[:, 0]), losses, np.float32(np.nan))
     return Seen(observations.features, proposal.now, readings, known)
