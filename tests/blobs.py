@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.types import ActionSpec, Observation, TaskSpec
 from sheath_manip.types.samples import Samples
 
@@ -42,6 +42,6 @@ def held_out() -> Samples:
 
 
 @cache
-def fitted_policy(name: str) -> Policy:
+def fitted_policy(name: str) -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
     return make_policy(name, SPEC, seed=0).fit(training())

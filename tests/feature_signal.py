@@ -5,17 +5,39 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.protocols import Agreement, Arrays, Reader, TrainablePolicy
+from sheath_manip.signals.single import SingleMeasure
+from sheath_manip.types import Reason
+from sheath_manip.types.seen import Seen
 
-class FeatureSignal:
+
+class FeatureSignal(SingleMeasure):
     """Its score is a feature."""
 
-    def __init__(self, column: int) -> None:
-        self.column = column
+    uses_displaced = False
 
-    def calibrate(self, episodes) -> Self:
-        del episodes
+    def __init__(self, column: int, reason: Reason = Reason.RISK) -> None:
+        self.column = column
+        self._reason = reason
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        del policy
+        return ()
+
+    def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
+        del labels, seen, agreement
         return self
 
-    def scores(self, images, features) -> NDArray[np.float64]:
-        del images
-        return np.asarray(features)[:, self.column].astype(float)
+    def score(self, seen: Seen) -> NDArray[np.float64]:
+        return np.asarray(seen.features)[:, self.column].astype(float)
+
+    def blames(self, measures: NDArray) -> Reason:
+        del measures
+        return self._reason
+
+    def arrays(self) -> Arrays:
+        return {}
+
+    def load(self, arrays: Arrays) -> Self:
+        del arrays
+        return self

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.types import ActionSpec, TaskSpec, ToolFrame
 from sheath_manip.types.samples import Samples
 
@@ -138,6 +138,6 @@ def held_out() -> Samples:
 
 
 @cache
-def fitted_policy(name: str = "egocentric-cnn") -> Policy:
+def fitted_policy(name: str = "egocentric-cnn") -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
     return make_policy(name, SPEC, seed=0, **SETTINGS).fit(training())

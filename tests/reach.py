@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.types import ActionSpec, TaskSpec
 from sheath_manip.types.samples import Samples
 
@@ -76,6 +76,6 @@ def held_out() -> Samples:
 
 
 @cache
-def fitted_policy(name: str = "spatial-cnn") -> Policy:
+def fitted_policy(name: str = "spatial-cnn") -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
     return make_policy(name, SPEC, seed=0, **SETTINGS).fit(training())

@@ -63,7 +63,7 @@ def looks_of(
     readers = signal.attach(policy)
     return Looks(
         np.asarray(states.labels),
-        look_to_fit(policy, states, readers, signal.uses_displaced),
+        look_to_fit(policy, states, signal),
         [look(policy, episode, readers) for episode in calibration],
         None if visited is None else look(policy, visited, readers),
     )

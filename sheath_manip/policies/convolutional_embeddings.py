@@ -77,7 +77,7 @@ class RandomConvolutions(ScaledEmbedding):
         pooled = _pooled(policy, type(self).__name__, self.side)
         assert isinstance(policy, ConvPolicy)
         random = policy.untrained(seed_for("random convolutions"))
-        return tuple(ThroughAnotherPolicy(random, reader) for reader in pooled)
+        return (ThroughAnotherPolicy(random, pooled),)
 
 
 @final

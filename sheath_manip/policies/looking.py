@@ -1,13 +1,13 @@
 """Looking at states through a policy: each image passes each network once."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies.displacement import displaced
-from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.protocols import Embedding, Reader, Signal, TrainablePolicy
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation, Proposal
 from sheath_manip.types.samples import Samples
@@ -31,7 +31,15 @@ def look(policy: TrainablePolicy, samples: Samples, readers: Sequence[Reader] = 
     return parts[0] if len(parts) == 1 else _together(parts)
 
 
-def look_to_fit(
+def look_to_fit(policy: TrainablePolicy, samples: Samples, to_fit: Signal | Embedding) -> Seen:
+    """Return training states as `policy` sees them, with all that `to_fit` wants to be fitted to.
+
+    `to_fit` is attached to the policy by this.
+    """
+    return look_with_displaced(policy, samples, to_fit.attach(policy), to_fit.uses_displaced)
+
+
+def look_with_displaced(
     policy: TrainablePolicy, samples: Samples, readers: Sequence[Reader], displacing: bool
 ) -> Seen:
     """Return training states as `policy` sees them, with displaced ones if `displacing`."""
@@ -52,7 +60,7 @@ def look_to_fit(
 def seen_in(observation: Observation, proposal: Proposal, readers: Sequence[Reader]) -> Seen:
     """Return one state as the policy saw it when it made `proposal`: nothing is looked at again."""
     alone = observation.alone
-    readings = {reader: reader(alone, proposal) for reader in readers}
+    readings: dict[Hashable, NDArray] = {reader: reader(alone, proposal) for reader in readers}
     return Seen(alone.features, proposal.now, readings)
 
 
@@ -61,7 +69,9 @@ def _looked(
 ) -> Seen:
     observations, labels = samples.observations.rows(rows), samples.labels[rows]
     proposal = policy.predict(observations)
-    readings = {reader: reader(observations, proposal) for reader in readers}
+    readings: dict[Hashable, NDArray] = {
+        reader: reader(observations, proposal) for reader in readers
+    }
     losses = policy.surrogate_losses(proposal, labels)
     known = np.where(np.isfinite(labels[:, 0]), losses, np.float32(np.nan))
     return Seen(observations.features, proposal.now, readings, known)

@@ -142,7 +142,7 @@ class ShrunkPixels:
         small = np.empty((len(images), self.side, self.side, 3), np.uint8)
         for index, image in enumerate(middles):
             cv2.resize(image, (self.side, self.side), small[index], interpolation=cv2.INTER_AREA)
-        return small.reshape(len(small), -1).astype(np.float32) / np.float32(255)
+        return small.reshape(len(small), 3 * self.side**2).astype(np.float32) / np.float32(255)
 
 
 @dataclass(frozen=True)
@@ -176,15 +176,17 @@ class SeenFromTool:
 
 @dataclass(frozen=True, eq=False)
 class ThroughAnotherPolicy:
-    """What another reader takes of the same images in another policy's eyes."""
+    """What other readers take, side by side, of the same images in another policy's eyes."""
 
     policy: TrainablePolicy
-    reader: Reader
+    readers: tuple[Reader, ...]
+    """all that is taken of the look, so that the other policy looks once too"""
 
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
-        """As the other reader's."""
+        """(n, d) the sum of the other readers' numbers."""
         del proposal
-        return self.reader(observations, self.policy.predict(observations))
+        other = self.policy.predict(observations)
+        return np.concatenate([reader(observations, other) for reader in self.readers], axis=1)
 
 
 def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:

@@ -90,25 +90,25 @@ class SmileMixture:
         Latents: what each member says as (n, m, a) `members`, and in tasks with choices the (n, k)
         chance of each to be drawn as `choice scores`.
         """
-        weights = self.weights()
-        said = np.stack([member.predict(observations).now for member in self.members_])
+        said = self._said(observations)
         same = (said[:, None] == said[None]).all(axis=3)
-        support = np.einsum("j,ijn->in", weights, same)
+        support = np.einsum("j,ijn->in", self.weights(), same)
         likeliest = said[support.argmax(axis=0), np.arange(said.shape[1])]
-        latents: dict[str, NDArray] = {"members": said.swapaxes(0, 1)}
-        if self.spec.action.choices is not None:
-            latents["choice scores"] = self._chances(said)
-        return Proposal(likeliest, latents)
+        return Proposal(likeliest, self._latents(said))
 
     def propose(self, observations: Observations) -> Proposal:
-        """Propose what the policy says that is drawn for this step."""
+        """Propose what the policy says that is drawn for this step.
+
+        Latents: those of `predict`, so that a signal judges by what it was fitted to.
+        """
         weights = self.weights()
         # By the cumulated weights, which `choice` would check anew at each step.
         drawn = int(np.searchsorted(np.cumsum(weights), self._rng.random(), side="right"))
-        return self.members_[min(drawn, len(weights) - 1)].propose(observations)
+        said = self._said(observations)
+        return Proposal(said[min(drawn, len(weights) - 1)], self._latents(said))
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
-        """(n,) the expected losses of the draw; where a draw was made, those of that one."""
+        """(n,) the expected losses of the draw; of actions without latents, their own."""
         if "members" not in proposal.latents:
             return self.members_[0].surrogate_losses(proposal, labels)
         losses = [
@@ -116,14 +116,6 @@ class SmileMixture:
             for number, member in enumerate(self.members_)
         ]
         return (self.weights() @ np.stack(losses)).astype(np.float32)
-
-    def _chances(self, said: NDArray) -> NDArray[np.float64]:
-        choices = choices_of(self.spec)
-        chances = np.zeros((said.shape[1], len(choices)))
-        rows = np.arange(said.shape[1])
-        for weight, actions in zip(self.weights(), said, strict=True):
-            chances[rows, nearest_choices(choices, actions)] += weight
-        return chances
 
     def weights(self) -> NDArray[np.float64]:
         """(n,) the chances of the n policies, the first round's first."""
@@ -141,6 +133,25 @@ class SmileMixture:
         numbers = sorted({int(name.partition("/")[0]) for name in arrays})
         self.members_ = [self._fresh().load(part(arrays, str(number))) for number in numbers]
         return self
+
+    def _said(self, observations: Observations) -> NDArray[np.float32]:
+        """(m, n, a) what each member says."""
+        self.weights()
+        return np.stack([member.predict(observations).now for member in self.members_])
+
+    def _latents(self, said: NDArray[np.float32]) -> dict[str, NDArray]:
+        latents: dict[str, NDArray] = {"members": said.swapaxes(0, 1)}
+        if self.spec.action.choices is not None:
+            latents["choice scores"] = self._chances(said)
+        return latents
+
+    def _chances(self, said: NDArray[np.float32]) -> NDArray[np.float64]:
+        choices, (members, states, width) = choices_of(self.spec), said.shape
+        chosen = nearest_choices(choices, said.reshape(-1, width)).reshape(members, states)
+        chances, rows = np.zeros((states, len(choices))), np.arange(states)
+        for weight, choice in zip(self.weights(), chosen, strict=True):
+            chances[rows, choice] += weight
+        return chances
 
     def _fresh(self) -> TrainablePolicy:
         # Only now: the table of policies lists this one.

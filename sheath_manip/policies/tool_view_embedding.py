@@ -1,5 +1,6 @@
 """An embedding of what is seen from the tool."""
 
+from collections.abc import Hashable
 from typing import Self, final
 
 import numpy as np
@@ -58,7 +59,7 @@ class FromTool:
 
     def _shown(self, seen: Seen) -> Seen:
         """As the other embedding knows its readings."""
-        readings = {
+        readings: dict[Hashable, NDArray] = {
             reader.reader: seen.readings[reader]
             for reader in self._readers
             if isinstance(reader, SeenFromTool)

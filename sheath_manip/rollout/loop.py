@@ -139,7 +139,7 @@ def _proposal(policy: Policy | None, observation: Observation, spec: ActionSpec)
         action = spec.validated(first)
     except (ActionError, IndexError, TypeError, ValueError):
         return None
-    if action is first:
+    if action is first and isinstance(proposal.actions, np.ndarray):
         return proposal
     if not chunked:
         return replace(proposal, actions=action[None])

@@ -1,5 +1,7 @@
 """What every embedding of the table must do."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sklearn.metrics import roc_auc_score
@@ -15,12 +17,14 @@ from sheath_manip.policies import (
     make_embedding,
     make_policy,
 )
+from sheath_manip.policies.looking import look
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.types.samples import Samples
 from tests import buttons, line, reach
 from tests.blobs import fitted_policy, held_out, training
+from tests.looks import fitted_embedding, vectors_of
 
 SPATIAL = (
     "convolutions-and-pixels",
@@ -33,11 +37,11 @@ SPATIAL = (
 )
 
 
-def linear_policy() -> Policy:
+def linear_policy() -> TrainablePolicy:
     return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(buttons.training())
 
 
-def policy_and_states(name: str) -> tuple[Policy, Samples, Samples]:
+def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples, Samples]:
     """What an embedding of that name looks through, is fitted to and is judged on."""
     if name in FEATURE_EMBEDDINGS:
         return linear_policy(), buttons.training(), buttons.held_out()
@@ -54,19 +58,18 @@ def embeddings():
     fitted = {}
     for name in EMBEDDINGS:
         policy, states, _ = policy_and_states(name)
-        fitted[name] = make_embedding(name).fit(policy, states)
+        fitted[name] = fitted_embedding(make_embedding(name), policy, states)
     return fitted
 
 
 @pytest.mark.parametrize("name", sorted(EMBEDDINGS))
 def test_gives_finite_vectors_one_by_one_as_in_a_batch(name, embeddings):
-    _, _, samples = policy_and_states(name)
-    vectors = embeddings[name].transform(samples.images, samples.features)
+    policy, _, samples = policy_and_states(name)
+    vectors = vectors_of(embeddings[name], policy, samples)
     assert vectors.shape[0] == len(samples)
     assert vectors.dtype == np.float32
     assert np.isfinite(vectors).all()
-    one = samples.take(np.arange(1))
-    single = embeddings[name].transform(one.images, one.features)
+    single = vectors_of(embeddings[name], policy, samples.take(np.arange(1)))
     np.testing.assert_allclose(single[0], vectors[0], atol=2e-3)
 
 
@@ -74,35 +77,45 @@ def test_gives_finite_vectors_one_by_one_as_in_a_batch(name, embeddings):
 def test_loaded_arrays_transform_the_same(name, embeddings):
     policy, _, samples = policy_and_states(name)
     one = samples.take(np.arange(5))
-    loaded = make_embedding(name).load(policy, embeddings[name].arrays())
+    loaded = make_embedding(name).load(embeddings[name].arrays())
     np.testing.assert_array_equal(
-        loaded.transform(one.images, one.features),
-        embeddings[name].transform(one.images, one.features),
+        vectors_of(loaded, policy, one), vectors_of(embeddings[name], policy, one)
     )
+
+
+@pytest.mark.parametrize("name", sorted(EMBEDDINGS))
+def test_attached_again_it_reads_the_same(name, embeddings):
+    policy, _, _ = policy_and_states(name)
+    readers = embeddings[name].attach(policy)
+    assert embeddings[name].attach(policy) == readers
+    assert len(set(readers)) == len(readers)
 
 
 def test_the_pooled_convolutions_keep_every_layer(embeddings):
     one = held_out().take(np.arange(1))
-    vectors = embeddings["pooled-convolutions"].transform(one.images, one.features)
+    vectors = vectors_of(embeddings["pooled-convolutions"], fitted_policy("cnn"), one)
     assert vectors.shape == (1, (16 + 32 + 32) * 4 * 4)
 
 
 @pytest.mark.parametrize("name", ["two-scale-convolutions", "foveal-convolutions"])
 def test_contrast_leaves_no_more_numbers(name, embeddings):
-    one = held_out().take(np.arange(1))
-    raw = embeddings[name].vectors(one.images)
+    one, embedding = held_out().take(np.arange(1)), embeddings[name]
+    readers = embedding.attach(fitted_policy("cnn"))
+    seen = look(fitted_policy("cnn"), one, readers)
+    raw = seen.of(readers)
     assert raw.shape == (1, 32 * 4 + (16 * 36 if name == "two-scale-convolutions" else 0))
-    kept = embeddings[name].transform(one.images, one.features).shape[1]
+    kept = embedding.transform(seen).shape[1]
     assert 0 < kept <= raw.shape[1]
-    assert embeddings[name].arrays()["matrix"].shape == (raw.shape[1], kept)
+    assert embedding.arrays()["matrix"].shape == (raw.shape[1], kept)
 
 
 def test_random_convolutions_do_not_depend_on_the_weights(embeddings):
     some = held_out().take(np.arange(3))
-    other = make_embedding("random-convolutions").fit(fitted_policy("plain-cnn"), training())
+    plain = fitted_policy("plain-cnn")
+    other = fitted_embedding(make_embedding("random-convolutions"), plain, training())
     np.testing.assert_array_equal(
-        other.transform(some.images, some.features),
-        embeddings["random-convolutions"].transform(some.images, some.features),
+        vectors_of(other, plain, some),
+        vectors_of(embeddings["random-convolutions"], fitted_policy("cnn"), some),
     )
 
 
@@ -116,10 +129,12 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
     else:
         unseen = pictures.copy()
         unseen[:, :50] = 0
-    states = training()
-    support = OneClassSupport().fit(embedding.transform(states.images, states.features))
+    policy = fitted_policy("cnn")
+    support = OneClassSupport().fit(vectors_of(embedding, policy, training()))
     scores = [
-        support.decision_function(embedding.transform({"top": images}, samples.features))
+        support.decision_function(
+            vectors_of(embedding, policy, replace(samples, images={"top": images}))
+        )
         for images in (pictures, unseen)
     ]
     truth = np.repeat([1, 0], len(samples))
@@ -128,15 +143,15 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
 
 @pytest.mark.parametrize("name", sorted(SPATIAL_EMBEDDINGS))
 def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones(name, embeddings):
-    states, samples, embedding = reach.training(), reach.held_out(), embeddings[name]
-    support = OneClassSupport().fit(embedding.transform(states.images, states.features))
+    policy, samples, embedding = reach.fitted_policy(), reach.held_out(), embeddings[name]
+    support = OneClassSupport().fit(vectors_of(embedding, policy, reach.training()))
     black = {**samples.images, "wrist": np.zeros_like(samples.images["wrist"])}
     natural, *others = (
-        support.decision_function(embedding.transform(images, features))
-        for images, features in (
-            (samples.images, samples.features),
-            (samples.images, samples.features + 3.0),
-            (black, samples.features),
+        support.decision_function(vectors_of(embedding, policy, states))
+        for states in (
+            samples,
+            replace(samples, features=samples.features + 3.0),
+            replace(samples, images=black),
         )
     )
     # Where nothing stands out a channel points to the middle, as it may in training.
@@ -148,13 +163,13 @@ def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones
 @pytest.mark.parametrize("name", sorted(TOOL_EMBEDDINGS))
 def test_only_an_egocentric_policy_sees_from_the_tool(name):
     with pytest.raises(ParameterError, match="needs the policy egocentric-cnn, not SpatialPolicy"):
-        make_embedding(name).fit(reach.fitted_policy(), reach.training())
+        make_embedding(name).attach(reach.fitted_policy())
 
 
 def test_a_camera_that_is_not_there_is_named():
     embedding = CameraConvolutions(cameras=("elbow",))
     with pytest.raises(ParameterError, match="no camera 'elbow'; it has above, wrist"):
-        embedding.fit(reach.fitted_policy(), reach.training())
+        embedding.attach(reach.fitted_policy())
 
 
 WITHOUT_CONVOLUTIONS = {"pixels", "pixels-whitened", "pixels-and-features"}
@@ -164,21 +179,22 @@ WITHOUT_CONVOLUTIONS = {"pixels", "pixels-whitened", "pixels-and-features"}
     "name", sorted((IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS).keys() - WITHOUT_CONVOLUTIONS)
 )
 def test_convolutions_are_asked_for_in_one_line(name):
-    with pytest.raises(ParameterError, match="needs a policy with convolutions") as caught:
-        make_embedding(name).fit(fitted_policy("hog-svm"), training())
+    asked = "policy with convolutions|policy has no convolutions|gives no 'penultimate'"
+    with pytest.raises(ParameterError, match=asked) as caught:
+        fitted_embedding(make_embedding(name), fitted_policy("hog-svm"), training())
     assert "\n" not in str(caught.value)
 
 
 def test_pixels_need_no_convolutions():
-    embedding = make_embedding("pixels").fit(fitted_policy("hog-svm"), training())
-    one = held_out().take(np.arange(1))
-    assert embedding.transform(one.images, one.features).shape == (1, 768)
+    policy = fitted_policy("hog-svm")
+    embedding = fitted_embedding(make_embedding("pixels"), policy, training())
+    assert vectors_of(embedding, policy, held_out().take(np.arange(1))).shape == (1, 768)
 
 
 def test_features_are_not_scaled_so_that_distances_count_the_bits_that_differ():
-    states = buttons.training()
-    embedding = make_embedding("features").fit(fitted_policy("hog-svm"), states)
-    vectors = embedding.transform({}, states.features)
+    policy, states = linear_policy(), buttons.training()
+    embedding = fitted_embedding(make_embedding("features"), policy, states)
+    vectors = vectors_of(embedding, policy, states)
     differing = (states.features[0] != states.features[1]).sum()
     assert ((vectors[0] - vectors[1]) ** 2).sum() == differing > 0
 
@@ -186,16 +202,17 @@ def test_features_are_not_scaled_so_that_distances_count_the_bits_that_differ():
 def test_weighted_features_are_as_far_apart_as_the_policy_can_tell_them():
     policy, states = linear_policy(), buttons.training()
     weights = policy.arrays()["machines"][:, :-1]
-    embedding = make_embedding("weighted-features").fit(policy, states)
+    embedding = fitted_embedding(make_embedding("weighted-features"), policy, states)
     lit = np.eye(weights.shape[1], dtype=np.float32)
-    lengths = np.linalg.norm(embedding.transform({}, lit), axis=1)
+    lit_alone = replace(states.take(np.arange(len(lit))), features=lit)
+    lengths = np.linalg.norm(vectors_of(embedding, policy, lit_alone), axis=1)
     expected = np.linalg.norm(weights, axis=0)
     np.testing.assert_allclose(lengths, expected / expected.max(), rtol=1e-5)
 
 
 def test_weighted_features_want_a_policy_that_weighs_them():
     with pytest.raises(ParameterError, match="ConvPolicy does not say what it makes of each"):
-        make_embedding("weighted-features").fit(fitted_policy("cnn"), training())
+        make_embedding("weighted-features").attach(fitted_policy("cnn"))
 
 
 def test_embeddings_of_features_keep_out_of_a_comparison_of_images():

@@ -1,12 +1,10 @@
 """What every gate must do."""
 
 from collections.abc import Callable, Sequence
-from typing import cast
 
 import numpy as np
 import pytest
 
-from sheath_manip.cockpit import Cockpit, PersonGate
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates import (
     AlwaysExpert,
@@ -17,13 +15,12 @@ from sheath_manip.gates import (
     RandomTakeover,
     ScriptedPerson,
     SupportGate,
-    redrawing,
 )
-from sheath_manip.gates.redrawing import Redrawing
-from sheath_manip.protocols import Gate, Policy
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.protocols import Gate
+from sheath_manip.types import Action, Actor, GateDecision, Judgement, Observation, Proposal, Reason
+from tests.judging import ByObservation, always
 
-PROPOSED = np.zeros(1, dtype=np.float32)
+PROPOSED = Proposal(np.zeros((1, 1), dtype=np.float32))
 
 
 def seen(score: float) -> Observation:
@@ -31,8 +28,11 @@ def seen(score: float) -> Observation:
     return Observation({}, np.array([score], dtype=np.float32), 0.0)
 
 
-def first_feature(observation: Observation) -> float:
+def first_feature_of(observation: Observation) -> float:
     return float(observation.features[0])
+
+
+FIRST_FEATURE = ByObservation(first_feature_of)
 
 
 class Doubter:
@@ -45,15 +45,6 @@ class Doubter:
         return observation.features[:1]
 
 
-class Drawer:
-    """A policy that draws."""
-
-    rng = np.random.default_rng(9)
-
-    def draw_from(self, rng: np.random.Generator) -> None:
-        self.rng = rng
-
-
 GATES: dict[str, Callable[[], Gate]] = {
     "always-expert": AlwaysExpert,
     "always-policy": AlwaysPolicy,
@@ -61,15 +52,11 @@ GATES: dict[str, Callable[[], Gate]] = {
     "mixture": lambda: Mixture(0.5),
     "takeover": lambda: RandomTakeover(0.3),
     "takeover, own labels": lambda: RandomTakeover(0.3, query=False),
-    "query filter": lambda: QueryFilter(first_feature, 0.0),
+    "query filter": lambda: QueryFilter(FIRST_FEATURE, 0.0),
     "human": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0)),
     "human, who drives on": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=3)),
-    "redrawing": lambda: Redrawing(Mixture(0.5), Drawer()),
-    "person, who never comes": lambda: PersonGate(
-        SupportGate(first_feature, 0.0), Cockpit(), 20.0, wait_s=0.0
-    ),
-    "support": lambda: SupportGate(first_feature, 0.0),
-    "support, held": lambda: SupportGate(first_feature, 0.0, False, 0.5, 2, 4),
+    "support": lambda: SupportGate(FIRST_FEATURE, 0.0),
+    "support, held": lambda: SupportGate(FIRST_FEATURE, 0.0, False, 0.5, 2, 4),
 }
 SCORES = np.random.default_rng(0).normal(size=200).tolist()
 
@@ -143,7 +130,7 @@ def actors(gate: Gate, scores: list[float]) -> str:
 
 
 def test_the_papers_gate_follows_the_score():
-    gate = SupportGate(first_feature, 0.5)
+    gate = SupportGate(FIRST_FEATURE, 0.5)
     decisions = run(gate, scores=[0.6, 0.4, 0.5, -1.0])
     assert [d.actor.value[0] for d in decisions] == ["p", "e", "p", "e"]
     assert [d.reason for d in decisions] == [
@@ -157,7 +144,7 @@ def test_the_papers_gate_follows_the_score():
 
 
 def test_only_the_experts_own_steps_are_labelled_on_request():
-    decisions = run(SupportGate(first_feature, 0.0, query=False), scores=[1.0, -1.0, 1.0])
+    decisions = run(SupportGate(FIRST_FEATURE, 0.0, query=False), scores=[1.0, -1.0, 1.0])
     assert [d.query for d in decisions] == [False, True, False]
 
 
@@ -171,9 +158,9 @@ def test_random_takeover_labels_its_own_steps_alone_on_request():
 def test_the_query_filter_never_takes_over_and_asks_where_sheath_would(seed):
     scores = np.random.default_rng(seed).normal(size=300)
     scores[::50] = np.nan
-    decisions = run(QueryFilter(first_feature, 0.2), scores=scores.tolist())
+    decisions = run(QueryFilter(FIRST_FEATURE, 0.2), scores=scores.tolist())
     assert {d.actor for d in decisions} == {Actor.POLICY}
-    sheath = run(SupportGate(first_feature, 0.2), scores=scores.tolist())
+    sheath = run(SupportGate(FIRST_FEATURE, 0.2), scores=scores.tolist())
     assert [d.query for d in decisions] == [d.actor is Actor.EXPERT for d in sheath]
     assert [d.reason for d in decisions] == [d.reason for d in sheath]
 
@@ -189,65 +176,62 @@ def test_the_person_drives_where_it_would_do_otherwise_and_a_while_on():
         ScriptedPerson(Doubter(), -1.0)
 
 
-def test_a_policy_that_draws_is_seeded_with_its_gate_and_leaves_its_draws_alone():
-    policy = Drawer()
-    gate = redrawing(Mixture(0.5), cast(Policy, policy))
-    plain = [d.actor for d in run(Mixture(0.5))]
-    assert [d.actor for d in run(gate)] == plain
-    first = policy.rng.random(3).tolist()
-    run(gate)
-    assert policy.rng.random(3).tolist() == first
-    run(gate, seed=1)
-    assert policy.rng.random(3).tolist() != first
-
-
-def test_a_policy_that_draws_nothing_needs_no_seeding():
-    gate = Mixture(0.5)
-    assert redrawing(gate, None) is gate
-    assert redrawing(gate, cast(Policy, Doubter())) is gate
-
-
-@pytest.mark.parametrize("score", [float("nan"), None])
-def test_no_score_means_the_expert(score):
-    gate = SupportGate(lambda _: score, 0.0)
-    decision = gate.decide(seen(0.0), PROPOSED)
+def test_no_score_means_the_expert():
+    decision = SupportGate(always(float("nan"), Reason.RISK), 0.0).decide(seen(0.0), PROPOSED)
     assert (decision.actor, decision.reason) == (Actor.EXPERT, Reason.NO_SCORE)
     assert np.isnan(decision.score)
 
 
 def test_an_arithmetic_error_in_the_score_means_the_expert_and_others_show():
-    decision = SupportGate(lambda _: 1 / 0, 0.0).decide(seen(0.0), PROPOSED)
+    decision = SupportGate(ByObservation(lambda _: 1 / 0), 0.0).decide(seen(0.0), PROPOSED)
     assert (decision.actor, decision.reason) == (Actor.EXPERT, Reason.NO_SCORE)
     with pytest.raises(KeyError):
-        SupportGate(lambda _: {}["score"], 0.0).decide(seen(0.0), PROPOSED)
+        SupportGate(ByObservation(lambda _: {}["score"]), 0.0).decide(seen(0.0), PROPOSED)
 
 
 def test_an_invalid_proposal_is_named():
-    decision = SupportGate(first_feature, 0.0).decide(seen(1.0), None)
+    decision = SupportGate(FIRST_FEATURE, 0.0).decide(seen(1.0), None)
     assert (decision.actor, decision.reason) == (Actor.EXPERT, Reason.INVALID_PROPOSAL)
 
 
+@pytest.mark.parametrize("gate", [SupportGate, QueryFilter])
+def test_what_is_judged_is_the_proposal_itself_and_once_a_step(gate):
+    judged: list[tuple[Observation, Proposal]] = []
+
+    class Judging:
+        def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+            judged.append((observation, proposal))
+            return Judgement(-1.0, Reason.RISK)
+
+    here, gate = seen(0.0), gate(Judging(), 0.0)
+    assert gate.decide(here, PROPOSED).reason is Reason.RISK
+    assert gate.decide(here, None).reason is Reason.INVALID_PROPOSAL
+    assert len(judged) == 1
+    assert judged[0][0] is here
+    assert judged[0][1] is PROPOSED
+
+
 def test_the_release_margin_holds_the_expert():
-    gate = SupportGate(first_feature, 0.0, release_margin=0.5)
+    gate = SupportGate(FIRST_FEATURE, 0.0, release_margin=0.5)
     scores = [0.1, -0.1, 0.1, 0.4, 0.5, 0.1]
     assert actors(gate, scores) == "peeepp"
     assert run(gate, scores=scores)[3].reason is Reason.HOLD
 
 
 def test_quiet_steps_must_be_in_a_row():
-    gate = SupportGate(first_feature, 0.0, quiet_steps=2)
+    gate = SupportGate(FIRST_FEATURE, 0.0, quiet_steps=2)
     assert actors(gate, [-1, 1, -1, 1, 1, 1, 1]) == "eeeeepp"
     assert actors(gate, [-1, 1, float("nan"), 1, 1, 1]) == "eeeeep"
 
 
 def test_a_takeover_lasts_its_minimum():
-    gate = SupportGate(first_feature, 0.0, minimum_hold_steps=3)
+    gate = SupportGate(FIRST_FEATURE, 0.0, minimum_hold_steps=3)
     assert actors(gate, [1, -1, 1, 1, 1, 1, -1, 1]) == "peeeppee"
 
 
 def test_parameters_outside_their_range():
     with pytest.raises(ParameterError, match="threshold"):
-        SupportGate(first_feature, float("nan"))
+        SupportGate(FIRST_FEATURE, float("nan"))
     for wrong in ((-0.1, 0, 0), (0.0, -1, 0), (0.0, 0, -1)):
         with pytest.raises(ParameterError, match="at least 0"):
-            SupportGate(first_feature, 0.0, True, *wrong)
+            SupportGate(FIRST_FEATURE, 0.0, True, *wrong)

@@ -10,8 +10,9 @@ import pytest
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import POLICIES, make_policy
-from sheath_manip.protocols import Policy, ScoresChoices
-from sheath_manip.types import ActionSpec, Observation, TaskSpec
+from sheath_manip.policies.looking import look
+from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.types import ActionSpec, TaskSpec
 from sheath_manip.types.samples import Samples
 from tests import blobs, buttons, line, reach
 
@@ -106,7 +107,7 @@ def held_out(name: str) -> Samples:
 
 
 @cache
-def fitted_policy(name: str) -> Policy:
+def fitted_policy(name: str) -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
     if name in CONTINUOUS:
         return (reach if name == "spatial-cnn" else line).fitted_policy(name)
@@ -124,15 +125,18 @@ def shape(name: str) -> dict[str, Any]:
     return {"spatial-cnn": reach.SETTINGS, "egocentric-cnn": line.SETTINGS}.get(name, {})
 
 
-def observation_of(samples: Samples, index: int) -> Observation:
-    images = {camera: images[index] for camera, images in samples.images.items()}
-    return Observation(images, samples.features[index], 0.0)
+def predicted_by(policy: TrainablePolicy, samples: Samples) -> np.ndarray:
+    return policy.predict(samples.observations).now
+
+
+def losses_of(policy: TrainablePolicy, samples: Samples) -> np.ndarray:
+    return policy.surrogate_losses(policy.predict(samples.observations), samples.labels)
 
 
 @every_policy
 def test_learns_the_toy(name):
     samples = held_out(name)
-    losses = fitted_policy(name).surrogate_losses(samples)
+    losses = losses_of(fitted_policy(name), samples)
     assert losses.shape == (len(samples),)
     assert losses.dtype == np.float32
     assert losses.min() >= 0
@@ -143,15 +147,15 @@ def test_learns_the_toy(name):
 
 @every_classifier
 def test_the_loss_of_a_classifier_is_zero_or_one(name):
-    assert set(np.unique(fitted_policy(name).surrogate_losses(held_out(name)))) <= {0.0, 1.0}
+    assert set(np.unique(losses_of(fitted_policy(name), held_out(name)))) <= {0.0, 1.0}
 
 
 @every_regressor
 def test_the_loss_of_a_regressor_is_the_worst_deviation_as_a_share_of_its_range(name):
     samples, policy, action = held_out(name), fitted_policy(name), toy(name).spec.action
-    predicted = policy.predict(samples.images, samples.features)
+    proposal = policy.predict(samples.observations)
     off = np.array([0.0, 0.03], np.float32)
-    losses = policy.surrogate_losses(replace(samples, labels=predicted + off))
+    losses = policy.surrogate_losses(proposal, proposal.now + off)
     np.testing.assert_allclose(losses, 0.03 / (action.maximum - action.minimum)[1], rtol=1e-4)
 
 
@@ -159,7 +163,7 @@ def test_the_loss_of_a_regressor_is_the_worst_deviation_as_a_share_of_its_range(
 def test_proposes_nothing_beyond_the_bounds(name):
     samples, action = held_out(name), toy(name).spec.action
     far = replace(samples, features=50 * samples.features)
-    predicted = fitted_policy(name).predict(far.images, far.features)
+    predicted = predicted_by(fitted_policy(name), far)
     for one in predicted:
         action.validated(one)
     assert (predicted == action.maximum).any()
@@ -168,30 +172,77 @@ def test_proposes_nothing_beyond_the_bounds(name):
 @every_regressor
 def test_every_camera_and_feature_counts(name):
     samples, policy = held_out(name), fitted_policy(name)
-    seen = policy.predict(samples.images, samples.features)
+    seen = predicted_by(policy, samples)
     for camera, images in samples.images.items():
         unseen = {**samples.images, camera: images[::-1].copy()}
-        assert np.abs(policy.predict(unseen, samples.features) - seen).max() > 0.01
-    assert np.abs(policy.predict(samples.images, -samples.features) - seen).max() > 0.01
+        assert np.abs(predicted_by(policy, replace(samples, images=unseen)) - seen).max() > 0.01
+    turned = replace(samples, features=-samples.features)
+    assert np.abs(predicted_by(policy, turned) - seen).max() > 0.01
 
 
 @every_policy
-def test_predicts_and_acts_alike(name):
+def test_proposes_in_one_state_what_it_predicts_among_many(name):
     samples, policy, action = held_out(name), fitted_policy(name), toy(name).spec.action
-    predicted = policy.predict(samples.images, samples.features)
-    assert predicted.shape == (len(samples), len(action.names))
-    assert predicted.dtype == np.float32
+    predicted = policy.predict(samples.observations)
+    assert predicted.now.shape == (len(samples), len(action.names))
+    assert predicted.now.dtype == np.float32
+    policy.reset(np.random.default_rng(0))
     for index in range(10):
-        acted = policy.act(observation_of(samples, index))
+        alone = samples.observations.rows(slice(index, index + 1))
+        proposal = policy.propose(alone)
+        assert proposal.now.shape == (1, len(action.names))
         # A batch may be summed in another order than a single state.
         rounding = 1e-5 if name in CONTINUOUS else 0.0
-        np.testing.assert_allclose(action.validated(acted), predicted[index], atol=rounding)
+        proposed = action.validated(proposal.now[0])
+        np.testing.assert_allclose(proposed, predicted.now[index], atol=rounding)
+
+
+@every_policy
+def test_a_proposal_and_a_prediction_have_the_same_latents(name):
+    """A signal that was fitted to predictions judges proposals."""
+    samples, policy = held_out(name), fitted_policy(name)
+    predicted = policy.predict(samples.observations)
+    proposal = policy.propose(samples.observations.rows(slice(0, 1)))
+    assert proposal.latents.keys() == predicted.latents.keys()
+    for latent, of_all in predicted.latents.items():
+        # Those that are a mapping are images by camera.
+        pairs = [(proposal.latents[latent], of_all)]
+        if isinstance(of_all, dict):
+            pairs = [(proposal.latents[latent][camera], of_all[camera]) for camera in of_all]
+        for one, each in pairs:
+            assert len(each) == len(samples)
+            np.testing.assert_allclose(np.asarray(one)[0], np.asarray(each)[0], atol=1e-4)
+
+
+@every_policy
+def test_predicting_draws_nothing(name):
+    policy, rng = fitted_policy(name), np.random.default_rng(5)
+    policy.reset(rng)
+    first = policy.predict(held_out(name).observations)
+    again = policy.predict(held_out(name).observations)
+    np.testing.assert_array_equal(first.now, again.now)
+    assert rng.random() == np.random.default_rng(5).random()
+
+
+@every_policy
+def test_a_look_in_batches_is_as_the_whole(name):
+    samples, policy = held_out(name), fitted_policy(name)
+    labels = samples.labels.copy()
+    labels[3] = np.nan
+    seen = look(policy, replace(samples, labels=labels))
+    assert len(seen) == len(samples) > 128
+    np.testing.assert_allclose(seen.actions, predicted_by(policy, samples), atol=1e-5)
+    np.testing.assert_array_equal(seen.features, samples.features)
+    assert seen.losses is not None
+    assert np.flatnonzero(np.isnan(seen.losses)).tolist() == [3]
+    others = np.arange(len(samples)) != 3
+    np.testing.assert_allclose(seen.losses[others], losses_of(policy, samples)[others], atol=1e-4)
 
 
 @every_classifier
 def test_predicts_choices(name):
     samples = held_out(name)
-    predicted = fitted_policy(name).predict(samples.images, samples.features)
+    predicted = predicted_by(fitted_policy(name), samples)
     choices = toy(name).spec.action.choices
     assert (predicted[:, None] == choices).all(axis=2).any(axis=1).all()
 
@@ -201,28 +252,28 @@ def test_predicts_the_choice_with_the_highest_score(name):
     samples, policy = held_out(name), fitted_policy(name)
     choices = toy(name).spec.action.choices
     assert choices is not None
-    assert isinstance(policy, ScoresChoices)
-    scores = policy.choice_scores(samples.images, samples.features)
+    proposal = policy.predict(samples.observations)
+    scores = proposal.latents["choice scores"]
     assert scores.shape == (len(samples), len(choices))
-    predicted = policy.predict(samples.images, samples.features)
-    np.testing.assert_array_equal(choices[scores.argmax(axis=1)], predicted)
+    np.testing.assert_array_equal(choices[scores.argmax(axis=1)], proposal.now)
 
 
 @every_policy
 def test_predicts_nothing_for_no_states(name):
     nothing = held_out(name).take(np.arange(0))
     width = len(toy(name).spec.action.names)
-    assert fitted_policy(name).predict(nothing.images, nothing.features).shape == (0, width)
+    assert predicted_by(fitted_policy(name), nothing).shape == (0, width)
+    seen = look(fitted_policy(name), nothing)
+    assert len(seen) == 0
+    assert seen.losses is not None
+    assert seen.losses.shape == (0,)
 
 
 @every_policy
 def test_loaded_arrays_predict_the_same(name):
     samples, policy = held_out(name), fitted_policy(name)
     loaded = make_policy(name, toy(name).spec, seed=7, **shape(name)).load(policy.arrays())
-    np.testing.assert_array_equal(
-        loaded.predict(samples.images, samples.features),
-        policy.predict(samples.images, samples.features),
-    )
+    np.testing.assert_array_equal(predicted_by(loaded, samples), predicted_by(policy, samples))
 
 
 @every_policy
@@ -242,21 +293,21 @@ def test_labels_are_taken_as_the_nearest_choice(name):
     samples, nudge = held_out(name), toy(name).nudge.astype(np.float32)
     off = replace(samples, labels=samples.labels + nudge)
     policy = fitted_policy(name)
-    np.testing.assert_array_equal(policy.surrogate_losses(off), policy.surrogate_losses(samples))
+    np.testing.assert_array_equal(losses_of(policy, off), losses_of(policy, samples))
 
 
 @every_classifier
 def test_survives_training_states_of_one_choice(name):
     samples = toy(name).samples(20, seed=4, choices=(2,))
     policy = make_policy(name, toy(name).spec, **quick(name)).fit(samples)
-    assert policy.surrogate_losses(samples).mean() <= 0.1
+    assert losses_of(policy, samples).mean() <= 0.1
 
 
 @every_policy
 def test_errors_are_clear(name):
     spec = toy(name).spec
     with pytest.raises(ParameterError, match="not fitted"):
-        make_policy(name, spec).act(observation_of(held_out(name), 0))
+        make_policy(name, spec).propose(held_out(name).observations.rows(slice(0, 1)))
     with pytest.raises(ParameterError, match="at least one labelled state"):
         make_policy(name, spec).fit(held_out(name).take(np.arange(0)))
     with pytest.raises(ParameterError, match=toy(name).complaint):

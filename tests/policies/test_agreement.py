@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates.config import GateConfig
-from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
-from sheath_manip.protocols import Policy
+from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.signals import SignalChoice, make_signal
 from sheath_manip.signals.support import SupportSignal
-from sheath_manip.support.config import SupportConfig, ThresholdConfig
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
+from sheath_manip.types import Observations, Proposal
 from sheath_manip.types.samples import Samples
 from tests.blobs import SPEC, blob_samples, fitted_policy
+from tests.looks import fitted_signal
 
 EPISODES = np.repeat([3, 1, 7, 4, 5], [10, 20, 5, 15, 10])
 
@@ -33,9 +33,12 @@ class Rote:
         self.fits.append(set(samples.episodes.tolist()))
         return self
 
-    def surrogate_losses(self, samples: Samples) -> np.ndarray:
-        known = [feature in self.seen for feature in samples.features[:, 0].tolist()]
-        return np.where(known, 0, 0.3)
+    def predict(self, observations: Observations) -> Proposal:
+        known = [feature in self.seen for feature in observations.features[:, 0].tolist()]
+        return Proposal(np.where(known, 0, 0.3)[:, None])
+
+    def surrogate_losses(self, proposal: Proposal, labels: np.ndarray) -> np.ndarray:
+        return np.abs(proposal.now - labels)[:, 0]
 
 
 def states(features: np.ndarray) -> Samples:
@@ -46,7 +49,7 @@ def states(features: np.ndarray) -> Samples:
 
 def agreement(samples: Samples, **options) -> tuple[np.ndarray, list[set[int]]]:
     fits: list[set[int]] = []
-    return held_out_agreement(lambda: cast(Policy, Rote(fits)), samples, **options), fits
+    return held_out_agreement(lambda: cast(TrainablePolicy, Rote(fits)), samples, **options), fits
 
 
 @pytest.mark.parametrize("folds", [2, 3, 10])
@@ -82,33 +85,28 @@ def test_what_cannot_be_held_out():
         agreement(samples, tolerance=float("nan"))
 
 
-def test_a_gate_asks_for_it_only_where_the_support_uses_it():
+def test_a_signal_asks_for_it_only_where_the_support_uses_it():
     policy, training = fitted_policy("hog-svm"), blob_samples(200, seed=5)
     # An episode whose expert does what none of the others explains.
     odd = training.episodes == 2
     labels = training.labels.copy()
     labels[odd] = -labels[odd]
     training = replace(training, labels=labels)
-    held_out = [blob_samples(50, seed=10 + i) for i in range(3)]
-    config = GateConfig(signal="support", embedding="pixels")
+    plain = SignalChoice("support", "pixels", "one-class-svm", "pixels")
     fits = []
 
-    def fresh() -> Policy:
+    def fresh() -> TrainablePolicy:
         fits.append(1)
         return make_policy("hog-svm", SPEC)
 
     judge = partial(held_out_agreement, fresh, training)
-    fit_gate(policy, training, held_out, config, "blobs", policy_name="hog-svm", agreement=judge)
+    fitted_signal(make_signal(plain), policy, training, judge)
     assert not fits
-    aware = replace(config, support=SupportConfig("loss-aware-svm"))
+    aware = replace(plain, support="loss-aware-svm")
     with pytest.raises(ParameterError, match="wanted `agreement`"):
-        fit_gate(policy, training, held_out, aware, "blobs", policy_name="hog-svm")
-    # The SVM of 200 states of two opinions leaves some held-out states without support.
-    aware = replace(aware, threshold=ThresholdConfig(false_alarm_rate=0.5))
-    fitted = fit_gate(
-        policy, training, held_out, aware, "blobs", policy_name="hog-svm", agreement=judge
-    )
+        fitted_signal(make_signal(aware), policy, training)
+    signal = fitted_signal(make_signal(aware), policy, training, judge)
     assert len(fits) == 3
-    assert isinstance(fitted.signal, SupportSignal)
-    assert isinstance(fitted.signal.support, LossAwareSupport)
-    assert (fitted.signal.support.kernel_sum_.weights < 0).any()
+    assert isinstance(signal, SupportSignal)
+    assert isinstance(signal.support, LossAwareSupport)
+    assert (signal.support.kernel_sum_.weights < 0).any()

@@ -38,5 +38,5 @@ def test_the_policy_learns_from_both_sides():
     policy = make_policy("spatial-cnn", spec, **reach.SETTINGS).fit(reach.training().take(right))
     held_out = reach.held_out()
     left = held_out.labels[:, 0] < -0.05
-    predicted = policy.predict(held_out.images, held_out.features)[left, 0]
+    predicted = policy.predict(held_out.observations).now[left, 0]
     assert (predicted < 0).mean() > 0.9

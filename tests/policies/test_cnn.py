@@ -6,8 +6,9 @@ import torch
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.cnn import ConvPolicy
+from sheath_manip.policies.readings import layers_of
 from sheath_manip.policies.reconstruction import reconstruction_loss
-from tests.blobs import SPEC, blob_samples, fitted_policy, held_out, observation_of
+from tests.blobs import SPEC, blob_samples, fitted_policy, held_out
 
 
 def weights(policy: ConvPolicy) -> np.ndarray:
@@ -37,24 +38,23 @@ def test_seeds_differ():
 
 
 def test_activations_of_every_layer():
-    policy = fitted_policy("cnn")
-    assert isinstance(policy, ConvPolicy)
-    five = held_out().take(np.arange(5)).images
-    assert [tuple(layer.shape) for layer in policy.activations(five)] == [
+    five = held_out().take(np.arange(5)).observations
+    proposal = fitted_policy("cnn").predict(five)
+    assert [tuple(layer.shape) for layer in layers_of(proposal).values()] == [
         (5, 16, 30, 30),
         (5, 32, 14, 14),
         (5, 32, 6, 6),
     ]
-    assert tuple(policy.penultimate(five).shape) == (5, 64)
-    np.testing.assert_allclose(policy.probabilities(five).sum(axis=1), 1, rtol=1e-5)
+    assert tuple(proposal.latents["penultimate"].shape) == (5, 64)
+    np.testing.assert_allclose(proposal.latents["choice scores"].sum(axis=1), 1, rtol=1e-5)
 
 
 def test_read_only_images_give_no_warning():
     samples = blob_samples(20, seed=8)
     samples.images["top"].flags.writeable = False
     policy = ConvPolicy(SPEC, epochs=1).fit(samples)
-    policy.predict(samples.images, samples.features)
-    policy.act(observation_of(samples, 0))
+    policy.predict(samples.observations)
+    policy.propose(samples.observations.rows(slice(0, 1)))
 
 
 def test_shapes_that_cannot_be():
@@ -72,7 +72,8 @@ def test_the_image_is_painted_back_better_with_every_fit():
     policy = ConvPolicy(SPEC, epochs=1, batch_size=20, warm_steps=60)
 
     def painting_loss() -> float:
-        network, last = policy.network_, policy.activations(samples.images)[-1]
+        network = policy.network_
+        *_, last = layers_of(policy.predict(samples.observations)).values()
         assert network is not None
         assert network.decoder is not None
         with torch.inference_mode():
@@ -110,8 +111,10 @@ def test_the_drafts_network_and_the_plain_one_paint_nothing(name):
 
 def test_an_untrained_policy_has_the_shape_and_the_seeds_weights():
     policy = ConvPolicy(SPEC, channels=(4, 8), hidden=(16,), seed=1)
-    five = held_out().take(np.arange(5)).images
-    first, again, other = (policy.untrained(seed).activations(five) for seed in (2, 2, 3))
+    five = held_out().take(np.arange(5)).observations
+    first, again, other = (
+        list(layers_of(policy.untrained(seed).predict(five)).values()) for seed in (2, 2, 3)
+    )
     assert [layer.shape[1] for layer in first] == [4, 8]
     assert torch.equal(first[-1], again[-1])
     assert not torch.equal(first[-1], other[-1])

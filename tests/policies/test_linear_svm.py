@@ -79,13 +79,13 @@ def test_of_two_buttons_that_exclude_each_other_the_surer_is_pressed():
     ):
         machines[:, -1] = biases
         policy.load({"machines": machines, "penalty": np.array(0.1)})
-        assert policy.act(observation).tolist() == wanted
+        assert policy.propose(observation.alone).now[0].tolist() == wanted
 
 
 def test_a_button_that_was_never_pressed_is_never_pressed():
     policy = LinearSvm(SPEC).fit(button_samples(100, seed=0, choices=(0, 1)))
     samples = button_samples(100, seed=1)
-    assert (policy.predict({}, samples.features)[:, 1] == 0).all()
+    assert (policy.predict(samples.observations).now[:, 1] == 0).all()
 
 
 def test_actions_between_the_bounds_are_no_buttons():

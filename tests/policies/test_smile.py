@@ -8,7 +8,7 @@ from sheath_manip.policies.smile import (
     expert_weight,
     member_weights,
 )
-from sheath_manip.types import Observation
+from sheath_manip.types import Observation, Proposal
 from tests.buttons import CHOICES, SPEC, button_samples, held_out
 
 
@@ -35,30 +35,36 @@ def test_weights_are_the_papers(alpha, rounds):
 
 def test_acts_as_each_policy_by_its_weight():
     policy = fitted(0, 1, 2)
-    policy.draw_from(np.random.default_rng(0))
-    observation = Observation({}, held_out().features[0], 0.0)
-    acted = np.array([policy.act(observation) for _ in range(4000)])
+    policy.reset(np.random.default_rng(0))
+    observation = Observation({}, held_out().features[0], 0.0).alone
+    acted = np.array([policy.propose(observation).now[0] for _ in range(4000)])
     shares = [(acted == choice).all(axis=1).mean() for choice in CHOICES]
     np.testing.assert_allclose(shares, policy.weights(), atol=0.03)
 
 
 def test_the_same_generator_draws_the_same():
-    policy, observation = fitted(0, 1), Observation({}, held_out().features[0], 0.0)
+    policy, observation = fitted(0, 1), Observation({}, held_out().features[0], 0.0).alone
 
     def drawn(seed: int) -> list[list[float]]:
-        policy.draw_from(np.random.default_rng(seed))
-        return [policy.act(observation).tolist() for _ in range(30)]
+        policy.reset(np.random.default_rng(seed))
+        return [policy.propose(observation).now[0].tolist() for _ in range(30)]
 
     assert drawn(1) == drawn(1) != drawn(2)
 
 
 def test_losses_are_expected_ones_and_predictions_the_likeliest():
     policy, samples = fitted(0, 1, 2), button_samples(30, seed=0, choices=(1,))
-    np.testing.assert_allclose(policy.surrogate_losses(samples), 1 - policy.weights()[1], rtol=1e-6)
-    assert (policy.predict({}, samples.features) == CHOICES[0]).all()
+    proposal = policy.predict(samples.observations)
+    expected = policy.surrogate_losses(proposal, samples.labels)
+    np.testing.assert_allclose(expected, 1 - policy.weights()[1], rtol=1e-6)
+    assert (proposal.now == CHOICES[0]).all()
+    # Of an action that was recorded it is its own.
+    for choice, loss in ((1, 0.0), (2, 1.0)):
+        recorded = Proposal(np.repeat(CHOICES[choice][None], 30, axis=0))
+        assert (policy.surrogate_losses(recorded, samples.labels) == loss).all()
     # Two that agree outweigh the first.
     agreeing = fitted(0, 1, 1, alpha=0.1)
-    assert (agreeing.predict({}, samples.features) == CHOICES[1]).all()
+    assert (agreeing.predict(samples.observations).now == CHOICES[1]).all()
 
 
 def test_each_policy_is_fitted_to_its_own_round():
@@ -73,8 +79,20 @@ def test_each_policy_is_fitted_to_its_own_round():
 def test_begins_with_a_policy_that_was_fitted_before():
     single = fitted(1).members_[0]
     begun = SmileMixture(SPEC, "linear-svm").load(as_first_member(single.arrays()))
-    features = held_out().features
-    np.testing.assert_array_equal(begun.predict({}, features), single.predict({}, features))
+    states = held_out().observations
+    np.testing.assert_array_equal(begun.predict(states).now, single.predict(states).now)
+
+
+def test_what_is_proposed_is_drawn_and_what_is_seen_is_the_mixture_s():
+    policy, states = fitted(0, 1, 2), held_out().observations.rows(slice(0, 1))
+    predicted = policy.predict(states).latents
+    np.testing.assert_allclose(predicted["choice scores"][0], policy.weights(), rtol=1e-6)
+    policy.reset(np.random.default_rng(0))
+    for _ in range(20):
+        proposal = policy.propose(states)
+        said = proposal.latents["members"][0]
+        assert (said == proposal.now[0]).all(axis=1).sum() == 1
+        np.testing.assert_array_equal(proposal.latents["choice scores"], predicted["choice scores"])
 
 
 @pytest.mark.parametrize("alpha", [0.0, 1.0, float("nan")])

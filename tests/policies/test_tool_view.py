@@ -10,6 +10,7 @@ from sheath_manip.policies import make_embedding
 from sheath_manip.policies.tool_view import ToolView
 from sheath_manip.signals.near_precedent import NearPrecedentSignal
 from tests import line
+from tests.looks import fitted_signal, scores_of
 
 VIEW = ToolView(line.SPEC, side_px=41, px_m=line.PX_M)
 BLUE = 180
@@ -60,11 +61,10 @@ def test_actions_without_a_vector_stay_as_they_are():
 def test_a_precedent_is_one_wherever_it_was():
     """States and actions compare in the tool's frame alone."""
     policy, states = line.fitted_policy(), line.training()
-    signal = NearPrecedentSignal(make_embedding("tool-points")).fit(policy, states)
-    turned = line.turned(states)
+    signal = fitted_signal(NearPrecedentSignal(make_embedding("tool-points")), policy, states)
     np.testing.assert_allclose(
-        signal.scores(turned.images, turned.features),
-        signal.scores(states.images, states.features),
+        scores_of(signal, policy, line.turned(states)),
+        scores_of(signal, policy, states),
         atol=0.1,
     )
 

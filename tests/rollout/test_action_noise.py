@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates import AlwaysPolicy, redrawing
+from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.rollout.action_noise import DisturbedExpert
-from sheath_manip.rollout.collecting import AskedOnce
+from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Observation, Purpose
 from tests.reach import ACTION
@@ -28,10 +28,9 @@ class Still:
 
 def demonstration(seed: int = 0, noise: float = 0.3) -> Episode:
     environment = Corridor(steps=24)
-    expert = AskedOnce(MiddleKeeper(environment))
+    expert = CachedExpert(MiddleKeeper(environment))
     disturbed = DisturbedExpert(expert, environment.spec.action, noise)
-    gate = redrawing(AlwaysPolicy(query=True), disturbed)
-    rng = np.random.default_rng(seed)
+    gate, rng = AlwaysPolicy(query=True), np.random.default_rng(seed)
     return rollout(environment, INFO, gate, rng=rng, policy=disturbed, expert=expert)
 
 
@@ -52,7 +51,7 @@ def test_what_is_executed_is_disturbed_and_what_is_labelled_is_not():
     assert any((step.executed != step.labelled).any() for step in episode.steps)
 
 
-def test_the_gate_s_generator_alone_decides_the_pushes():
+def test_the_episode_s_generator_alone_decides_the_pushes():
     assert executed(demonstration(1)) == executed(demonstration(1))
     assert executed(demonstration(1)) != executed(demonstration(2))
 
@@ -64,9 +63,10 @@ def test_without_noise_it_is_the_expert():
 
 def test_pushes_have_the_asked_size_last_a_while_and_stay_within_the_bounds():
     disturbed = DisturbedExpert(Still(), ACTION, 0.2)
-    disturbed.draw_from(np.random.default_rng(0))
+    disturbed.reset(np.random.default_rng(0))
     nothing = Observation({}, np.zeros(2, np.float32), 0.0)
-    actions = np.stack([disturbed.act(nothing) for _ in range(5000)])
+    disturbed.follow(nothing)
+    actions = np.stack([disturbed.propose(nothing.alone).now[0] for _ in range(5000)])
     for one in actions:
         ACTION.validated(one)
     pushes = actions[:, 1] / 0.1

@@ -1,6 +1,6 @@
 """The one loop, on the toy task."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import cast
 
@@ -10,7 +10,7 @@ import pytest
 from sheath_manip.exceptions import ActionError, ParameterError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, Mixture, SupportGate
 from sheath_manip.protocols import Expert, Gate, Listener, Policy
-from sheath_manip.rollout.collecting import AskedOnce
+from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import (
     Action,
@@ -18,13 +18,18 @@ from sheath_manip.types import (
     Commanded,
     Episode,
     EpisodeInfo,
+    GateDecision,
+    Judgement,
     Limited,
     Observation,
+    Observations,
     Outcome,
+    Proposal,
     Purpose,
     Reason,
     Transition,
 )
+from tests.judging import ByObservation, always
 from tests.toy import CHOICES, Corridor, MiddleKeeper
 
 SEED = 4
@@ -45,6 +50,24 @@ class Scripted:
         del observation
         self.asked += 1
         return cast(Action, self.answer(self.asked - 1))
+
+
+class Saying:
+    """A policy that proposes what it is told."""
+
+    def __init__(self, answer: Callable[[int], object]) -> None:
+        self.answer = answer
+        self.asked = 0
+        self.drew: list[float] = []
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Draw nothing."""
+
+    def propose(self, observations: Observations) -> Proposal:
+        assert len(observations) == 1
+        self.asked += 1
+        # A list, since not all that is tried here makes an array.
+        return Proposal(cast(np.ndarray, [self.answer(self.asked - 1)]))
 
 
 class Diary:
@@ -76,10 +99,11 @@ class Diary:
 
 def run(
     gate: Gate,
-    policy: Scripted | None = None,
+    policy: Policy | None = None,
     expert: Expert | None = None,
     listeners: tuple[Listener, ...] = (),
     environment: Corridor | None = None,
+    others: Mapping[Actor, Expert] | None = None,
     seed: int = SEED,
 ) -> Episode:
     return rollout(
@@ -87,15 +111,16 @@ def run(
         EpisodeInfo("corridor", seed, Purpose.LEARNING, 50.0),
         gate,
         rng=np.random.default_rng(0),
-        policy=cast(Policy, policy),
+        policy=policy,
         expert=expert,
+        others=others or {},
         listeners=listeners,
     )
 
 
-def still() -> Scripted:
+def still() -> Saying:
     """Proposes to stay: what the keeper of the middle says only now and then."""
-    return Scripted(lambda _: CHOICES[1])
+    return Saying(lambda _: CHOICES[1])
 
 
 def side_of(observation: Observation) -> float:
@@ -150,7 +175,11 @@ def test_under_a_support_gate_each_acts_in_its_own_states(query):
     keeper = MiddleKeeper(environment)
     expert = Scripted(lambda _: keeper.act(None))  # pyright: ignore[reportArgumentType]
     episode = run(
-        SupportGate(side_of, 0.0, query=query), still(), expert, environment=environment, seed=1
+        SupportGate(ByObservation(side_of), 0.0, query=query),
+        still(),
+        expert,
+        environment=environment,
+        seed=1,
     )
     assert episode.outcome is Outcome.SUCCESS
     acted = [step.decision.actor for step in episode.steps]
@@ -170,11 +199,11 @@ def test_under_a_support_gate_each_acts_in_its_own_states(query):
 )
 @pytest.mark.parametrize(
     "gate",
-    [AlwaysPolicy(), Mixture(0.0), SupportGate(lambda _: 1.0, 0.0)],
+    [AlwaysPolicy(), Mixture(0.0), SupportGate(always(1.0), 0.0)],
     ids=lambda g: type(g).__name__,
 )
 def test_a_proposal_that_is_no_action_hands_the_step_to_the_expert(gate, proposal):
-    policy = Scripted(lambda index: proposal if index == 3 else CHOICES[1])
+    policy = Saying(lambda index: proposal if index == 3 else CHOICES[1])
     expert = Scripted(lambda _: CHOICES[2])
     steps = run(gate, policy, expert).steps
     broken = steps[3]
@@ -191,17 +220,17 @@ def test_a_proposal_that_is_no_action_hands_the_step_to_the_expert(gate, proposa
 
 def test_the_loop_does_not_trust_a_gate_with_an_invalid_proposal():
     class Careless(AlwaysPolicy):
-        def decide(self, observation, proposed):
-            return super().decide(observation, CHOICES[1] if proposed is None else proposed)
+        def decide(self, observation, proposal):
+            return super().decide(observation, proposal or Proposal(CHOICES[1][None]))
 
     expert = Scripted(lambda _: CHOICES[0])
-    episode = run(Careless(), Scripted(lambda _: [np.nan]), expert)
+    episode = run(Careless(), Saying(lambda _: [np.nan]), expert)
     assert {step.decision.reason for step in episode.steps} == {Reason.INVALID_PROPOSAL}
     assert {step.decision.actor for step in episode.steps} == {Actor.EXPERT}
 
 
 @pytest.mark.parametrize(
-    "gate", [AlwaysPolicy(), SupportGate(lambda _: 1.0, 0.0)], ids=lambda g: type(g).__name__
+    "gate", [AlwaysPolicy(), SupportGate(always(1.0), 0.0)], ids=lambda g: type(g).__name__
 )
 def test_a_gate_that_wants_a_policy_says_so(gate):
     with pytest.raises(ParameterError, match="wants a policy"):
@@ -213,7 +242,7 @@ def test_a_gate_that_wants_an_expert_says_so():
         with pytest.raises(ParameterError, match="asks for the expert"):
             run(gate, policy)
     with pytest.raises(ParameterError, match="nobody can take over"):
-        run(AlwaysPolicy(), Scripted(lambda _: [np.nan]))
+        run(AlwaysPolicy(), Saying(lambda _: [np.nan]))
 
 
 @pytest.mark.parametrize("answer", [[np.nan], [9.0], [0.0, 0.0]])
@@ -271,7 +300,7 @@ class Halved(Corridor):
 
 def test_what_a_command_filter_changed_is_in_the_step():
     episode = run(
-        AlwaysPolicy(), Scripted(lambda index: CHOICES[1 + index % 2]), environment=Halved()
+        AlwaysPolicy(), Saying(lambda index: CHOICES[1 + index % 2]), environment=Halved()
     )
     for index, step in enumerate(episode.steps):
         np.testing.assert_array_equal(step.requested, CHOICES[1 + index % 2])
@@ -298,7 +327,7 @@ def test_an_expert_is_told_of_each_of_its_turns_before_it_is_asked():
 
     # Asked for labels too, so that being asked does not tell it of its turn.
     for device in (first := Device(), second := Device()):
-        expert = device if device is first else AskedOnce(device)
+        expert = device if device is first else CachedExpert(device)
         episode = run(Mixture(0.5), still(), expert)
         wanted = []
         before = None
@@ -312,3 +341,149 @@ def test_an_expert_is_told_of_each_of_its_turns_before_it_is_asked():
         assert len([name for name, _ in wanted if name == "take over"]) > 1
         assert device.book == wanted
     assert len(second.book) == len(first.book)
+
+
+class Named:
+    """A gate that names one actor after the other, and asks for labels as it is told."""
+
+    def __init__(self, actors: list[Actor], query: bool = False) -> None:
+        self.actors = actors
+        self.query = query
+
+    def reset(self, rng: np.random.Generator) -> None:
+        del rng
+        self.left = list(self.actors)
+
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        del observation, proposal
+        return GateDecision(self.left.pop(0), self.query, Reason.PERSON)
+
+
+@pytest.mark.parametrize("query", [True, False])
+def test_the_one_that_the_gate_names_is_asked_and_nobody_else(query):
+    turns = [Actor.POLICY, Actor.OPERATOR, Actor.HOLD, Actor.EXPERT, Actor.FALLBACK, Actor.POLICY]
+    gate = Named(2 * turns, query)
+    operator, hold, fallback, expert = (Scripted(lambda _: CHOICES[1]) for _ in range(4))
+    others = {Actor.OPERATOR: operator, Actor.HOLD: hold, Actor.FALLBACK: fallback}
+    episode = run(gate, still(), expert, others=others)
+    assert [step.decision.actor for step in episode.steps] == 2 * turns
+    assert [one.asked for one in (operator, hold, fallback)] == [2, 2, 2]
+    assert [one.resets for one in (operator, hold, fallback, expert)] == [1, 1, 1, 1]
+    # Twice it acts itself, and four times it is asked for a label where the policy acts.
+    assert expert.asked == (6 if query else 2)
+    for step in episode.steps:
+        by_policy = step.decision.actor is Actor.POLICY
+        assert step.executed is (step.proposed if by_policy else step.labelled)
+        assert step.proposed is not None
+        assert (step.label is not None) == query
+
+
+def test_an_actor_that_is_not_there_is_named():
+    with pytest.raises(ParameterError, match="asks for the operator"):
+        run(Named([Actor.OPERATOR]), still(), Scripted(lambda _: CHOICES[1]))
+
+
+def test_one_in_two_places_starts_each_episode_once_and_is_told_of_both_turns():
+    class Device(Scripted):
+        turns = 0
+        seen = 0
+
+        def follow(self, observation: Observation) -> None:
+            del observation
+            self.seen += 1
+
+        def take_over(self, observation: Observation) -> None:
+            del observation
+            self.turns += 1
+
+    device = Device(lambda _: CHOICES[1])
+    turns = [Actor.EXPERT, Actor.OPERATOR, Actor.OPERATOR, Actor.POLICY]
+    episode = run(Named(3 * turns), still(), device, others={Actor.OPERATOR: device})
+    assert (device.resets, device.seen, device.turns) == (1, len(episode), 6)
+
+
+def test_a_policy_draws_apart_from_the_gate_and_the_same_in_the_same_episode():
+    class Drawing(Saying):
+        def reset(self, rng: np.random.Generator) -> None:
+            self.drew.append(float(rng.random()))
+
+    policy = Drawing(lambda _: CHOICES[1])
+    actors = [
+        [step.decision.actor for step in run(Mixture(0.5), one, MiddleKeeper(Corridor())).steps]
+        for one in (still(), policy, policy)
+    ]
+    assert actors[0] == actors[1] == actors[2]
+    assert policy.drew[0] == policy.drew[1] != np.random.default_rng(0).random()
+
+
+class InChunks:
+    """Draws the next three actions at once, and plays them: asked anew it would say otherwise."""
+
+    def reset(self, rng: np.random.Generator) -> None:
+        self.rng = rng
+        self.left = np.zeros((0, 1), np.float32)
+
+    def propose(self, observations: Observations) -> Proposal:
+        assert len(observations) == 1
+        if not len(self.left):
+            self.left = CHOICES[self.rng.integers(3, size=3)]
+        chunk, self.left = self.left, self.left[1:]
+        return Proposal(chunk[None])
+
+
+class Remembering:
+    """Judges by the side to which the proposal goes, and remembers what it was shown."""
+
+    def __init__(self) -> None:
+        self.judged: list[tuple[Observation, Action]] = []
+
+    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+        self.judged.append((observation, proposal.now[0]))
+        return Judgement(float(proposal.now[0, 0]))
+
+
+@pytest.mark.parametrize("threshold", [-9.0, 0.0])
+def test_what_the_gate_judges_of_a_chunk_is_what_is_executed(threshold):
+    judge = Remembering()
+    expert = Scripted(lambda _: CHOICES[1])
+    environment = Corridor(steps=60)
+    judged_anew = 0
+    for seed in range(4):
+        judge.judged.clear()
+        gate = SupportGate(judge, threshold)
+        steps = run(gate, InChunks(), expert, environment=environment, seed=seed).steps
+        assert len(judge.judged) == len(steps) >= 3
+        for (observation, judged), step in zip(judge.judged, steps, strict=True):
+            assert observation is step.observation
+            np.testing.assert_array_equal(judged, step.proposed)
+            inside = float(judged[0]) >= threshold
+            assert step.decision.actor is (Actor.POLICY if inside else Actor.EXPERT)
+            if inside:
+                np.testing.assert_array_equal(step.executed, judged)
+            judged_anew += not inside
+    assert (judged_anew > 0) == (threshold == 0.0)
+
+
+def test_the_action_judged_is_the_validated_one_also_of_a_chunk_in_another_type():
+    class Doubles(InChunks):
+        def propose(self, observations: Observations) -> Proposal:
+            proposal = super().propose(observations)
+            return replace(proposal, actions=np.asarray(proposal.actions, np.float64))
+
+    judge = Remembering()
+    steps = run(SupportGate(judge, -9.0, query=False), Doubles()).steps
+    for (_, judged), step in zip(judge.judged, steps, strict=True):
+        assert judged.dtype == step.executed.dtype == np.float32
+        np.testing.assert_array_equal(step.executed, judged)
+
+
+def test_a_chunk_whose_present_action_is_none_hands_the_step_to_the_expert():
+    class Broken(InChunks):
+        def propose(self, observations: Observations) -> Proposal:
+            actions = super().propose(observations).actions.copy()
+            actions[0, 0] = np.nan
+            return Proposal(actions)
+
+    steps = run(SupportGate(Remembering(), -9.0), Broken(), Scripted(lambda _: CHOICES[1])).steps
+    assert {step.decision.reason for step in steps} == {Reason.INVALID_PROPOSAL}
+    assert {step.decision.actor for step in steps} == {Actor.EXPERT}

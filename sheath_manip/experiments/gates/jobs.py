@@ -20,7 +20,7 @@ from sheath_manip.learning.fitting import Looks, fit_to_looks
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
-from sheath_manip.policies.looking import look_to_fit
+from sheath_manip.policies.looking import look_with_displaced
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Listener, Report, TrainablePolicy
 from sheath_manip.rollout.serial import SerialExecutor
@@ -140,7 +140,7 @@ class Score:
         seen = evidence(at, cloned.policy, readers)
         looks = Looks(
             states.labels,
-            look_to_fit(cloned.policy, states, readers, displacing),
+            look_with_displaced(cloned.policy, states, readers, displacing),
             seen.calibration,
         )
         for row, signal in zip(missing, signals, strict=True):
