@@ -152,15 +152,13 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
         print(path)
 
 
-def info_of(
-    task: TaskEntry, environment: Environment, method: str, round: int, index: int
-) -> EpisodeInfo:
+def info_of(environment: Environment, method: str, round: int, index: int) -> EpisodeInfo:
     """Of an episode in a scene that no experiment has."""
-    return EpisodeInfo(
-        task=task.name,
+    return EpisodeInfo.of(
+        environment.spec,
+        variant="default",
         seed=scene_seed(Purpose.LEARNING, "screenshot", index),
         purpose=Purpose.LEARNING,
-        control_rate_hz=environment.spec.control_rate_hz,
         method=method,
         round=round,
         index=index,
@@ -178,7 +176,9 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
         try:
             subject = subject_of(task, options, environment, folder)
             fitted = subject.checkpoint
-            adjusting = None if fitted is None else adjusted(fitted, subject.store)
+            adjusting = (
+                None if fitted is None else adjusted(fitted, subject.store, environment.spec)
+            )
             parts = () if adjusting is None else adjusting.parts
             with Dashboard(environment.spec, port=0, gate=parts) as dashboard:
                 shown.set_result(dashboard)
@@ -191,7 +191,6 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
                     rollout(
                         environment,
                         info_of(
-                            task,
                             environment,
                             "expert" if fitted is None else "sheath",
                             0 if fitted is None else fitted.round + 1,
@@ -234,7 +233,8 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
     shown: Future[Cockpit] = Future()
     addresses: list[str] = []
     session = Session(lambda: {}, "", *(Console(file=io.StringIO()) for _ in range(2)))
-    adjusting = adjusted(checkpoint, subject.store)
+    with opened(task, "default") as probe:
+        adjusting = adjusted(checkpoint, subject.store, probe.spec)
 
     def drive() -> None:
         with (
@@ -246,7 +246,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
             infos = (
-                info_of(task, environment, "person", checkpoint.round + 1, options.scene + index)
+                info_of(environment, "person", checkpoint.round + 1, options.scene + index)
                 for index in count()
             )
             for _ in run_all(
@@ -296,10 +296,11 @@ def recorded(page: Page, task: TaskEntry, options: argparse.Namespace, folder: P
     shown: Future[Replay] = Future()
 
     def play() -> None:
-        maker = FilmMaker(task, "default", shelf.read)
-        with Replay(maker.spec, shelf, maker.film, maker.exported, port=0) as replay:
+        maker = FilmMaker(task, None, shelf.read, shelf.summary)
+        last = len(shelf) - 1
+        with Replay(maker.spec(last), shelf, maker.film, maker.exported, port=0) as replay:
             shown.set_result(replay)
-            replay.run(len(shelf) - 1)
+            replay.run(last)
         maker.close()
 
     with ThreadPoolExecutor(1) as pool:

@@ -14,6 +14,7 @@ from sheath_manip.gates.support import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.fitting import with_nu
 from sheath_manip.learning.training_data import TrainedOn, trained_on
+from sheath_manip.types import TaskSpec
 from sheath_manip.types.samples import Samples
 
 
@@ -28,12 +29,13 @@ class Adjusting:
     """that the checkpoint was fitted to, where they are known"""
 
 
-def adjusted(checkpoint: Checkpoint, store: Path | None) -> Adjusting:
-    """The gate of `checkpoint`; `store` has the episodes that it was fitted to.
+def adjusted(checkpoint: Checkpoint, store: Path | None, spec: TaskSpec) -> Adjusting:
+    """The gate of `checkpoint` on a task of `spec`; `store` has the episodes it was fitted to.
 
-    Raises StoreError where `store` is none, and ParameterError where it lacks the episodes.
+    Raises StoreError where `store` is none or of another spec, and ParameterError where it lacks
+    the episodes.
     """
-    seen = None if store is None else trained_on(EpisodeStore(store), checkpoint)
+    seen = None if store is None else trained_on(EpisodeStore(store), checkpoint, spec)
     dial = Dial(_boundary(checkpoint, seen))
     gate = support_gate(checkpoint)
     parts: tuple[Maker, ...] = (partial(ThresholdSlider, dial=dial),)

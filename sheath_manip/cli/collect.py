@@ -67,11 +67,11 @@ class Collect:
         return 0
 
     def _info(self, spec: TaskSpec, index: int) -> EpisodeInfo:
-        return EpisodeInfo(
-            task=spec.name,
+        return EpisodeInfo.of(
+            spec,
+            variant=self.variant,
             seed=scene_seed(Purpose.DEMONSTRATION, self.seed, 0, index),
             purpose=Purpose.DEMONSTRATION,
-            control_rate_hz=spec.control_rate_hz,
             # Another variant is another scene, though its seed be the same.
             method="expert" if self.variant == "default" else f"expert-{self.variant}",
             index=index,

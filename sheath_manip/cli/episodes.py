@@ -9,6 +9,7 @@ from rich.text import Text
 
 from sheath_manip.cli.session import Session
 from sheath_manip.dataset.background import BackgroundRecorder
+from sheath_manip.dataset.compatibility import RecordedSpec
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import redrawing
@@ -47,7 +48,12 @@ def run_all(
     listeners: Sequence[Listener] = (),
     report: Callable[[str], None] = lambda _: None,
 ) -> Iterator[EpisodeRecord]:
-    """Run each episode, or read it where `store` has it; `report` is told each outcome."""
+    """Run each episode, or read it where `store` has it; `report` is told each outcome.
+
+    Raises StoreError where what `store` holds does not fit the environment.
+    """
+    if store:
+        store.require_fits(RecordedSpec.of_task(environment.spec), "what is to be recorded")
     with ExitStack() as stack:
         recorders = [stack.enter_context(BackgroundRecorder(store))] if store else []
         for info in infos:

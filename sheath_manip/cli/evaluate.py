@@ -44,7 +44,7 @@ class Evaluate:
                 scene_seed(Purpose.EVALUATION, self.scenes, index) for index in range(self.episodes)
             ]
             with session.progress("held-out scenes", self.episodes) as report:
-                records = evaluate_policy(environment, checkpoint, seeds, report)
+                records = evaluate_policy(environment, self.variant, checkpoint, seeds, report)
         if not self.json:
             print_figures(records, session)
             return 0

@@ -78,7 +78,7 @@ class Run:
         with opened(task, self.variant) as probe:
             checkpoint = load_checkpoint(self.checkpoint, probe.spec)
         with session.err.status("reading"):
-            adjusting = adjusted(checkpoint, self.trained_on)
+            adjusting = adjusted(checkpoint, self.trained_on, probe.spec)
         with (
             self.operating.crew(task, self.address, session, adjusting.parts) as crew,
             opened(operated := crew.operated(), self.variant) as environment,
@@ -98,6 +98,7 @@ class Run:
         listeners: Sequence[Listener],
     ) -> int:
         from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
+        from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.checkpoint import digest
 
@@ -107,12 +108,12 @@ class Run:
         expert = None if alone else task.make_expert(environment, name)
         stand_in = "" if expert is None or self.expert == SCRIPTED else self.expert
         infos = [
-            EpisodeInfo(
-                task=spec.name,
+            EpisodeInfo.of(
+                spec,
+                variant=self.variant,
                 # Apart from the scenes of any round and any evaluation.
                 seed=scene_seed(purpose, "run", self.seed, index),
                 purpose=purpose,
-                control_rate_hz=spec.control_rate_hz,
                 # What a stand-in does is no demonstration, and must not be taken for one.
                 method="-".join(filter(None, (checkpoint.method or "run", stand_in))),
                 round=checkpoint.round,
@@ -122,6 +123,10 @@ class Run:
             )
             for index in range(self.episodes)
         ]
+        store = EpisodeStore.create(self.store) if self.store else None
+        if store is not None and self.expert == PERSON:
+            # The same scene by hand again is another episode.
+            infos = begun(store, infos, new_session())
         with session.progress("episodes", self.episodes) as report:
             records = list(
                 run_all(
@@ -130,7 +135,7 @@ class Run:
                     gate,
                     policy=checkpoint.policy,
                     expert=expert,
-                    store=EpisodeStore.create(self.store) if self.store else None,
+                    store=store,
                     listeners=listeners,
                     report=report,
                 )

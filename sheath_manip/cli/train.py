@@ -1,5 +1,7 @@
 """`sheath train`: a policy and its gate from the episodes of a store."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,12 +12,13 @@ from rich.text import Text
 
 from sheath_manip.cli.options import TaskName, planned
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
-    from sheath_manip.dataset.reader import EpisodeReader
+    from sheath_manip.dataset.reader import EpisodeSummary
     from sheath_manip.protocols import Policy
+    from sheath_manip.types import TaskSpec
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
 PLANNED = (
@@ -87,6 +90,7 @@ class Train:
         plan = planned(task, "full", **{name: getattr(self, name) for name in PLANNED})
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
+        from sheath_manip.dataset.compatibility import remarks
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.dataset.places import open_place
         from sheath_manip.learning.checkpoint import digest
@@ -97,8 +101,11 @@ class Train:
         from sheath_manip.support.calibration import threshold_rule
         from sheath_manip.types.samples import samples_from
 
-        with opened(task, "default") as environment:
+        store = open_place(self.store)
+        summaries = store.infos()
+        with opened(task, _variant(summaries)) as environment:
             spec = environment.spec
+        self._require_fits(summaries, spec)
 
         def fresh_policy() -> "Policy":
             return make_policy(plan.policy, spec, seed=self.seed, **plan.policy_settings)
@@ -110,8 +117,7 @@ class Train:
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
-        store = open_place(self.store)
-        training, held_out = self._split(store, spec.name, plan.calibration)
+        training, held_out = self._split(summaries, spec.name, plan.calibration)
         with session.err.status("reading"):
             states = (
                 samples_from(store.learnable(training))
@@ -140,7 +146,8 @@ class Train:
         table = Table(title=Text(str(self.checkpoint)), title_justify="left", show_header=False)
         table.box = None
         rows = {
-            "trained on": f"{len(states)} states of {len(training)} episodes",
+            "trained on": f"{len(states)} states of {len(training)} episodes, "
+            f"{_outcomes(summaries, training)}",
             "training loss": f"{float(policy.surrogate_losses(states).mean()):.4f}",
             "states that the policy may act in": f"{inside:.1%}",
             "threshold": f"{fitted.threshold:.4g}",
@@ -151,17 +158,26 @@ class Train:
         for name, value in rows.items():
             table.add_row(name, Text(value))
         session.out.print(table)
+        for remark in remarks((each.info.variant, each.spec) for each in summaries):
+            session.out.print(Text(remark))
         return 0
 
-    def _split(self, store: "EpisodeReader", task: str, count: int) -> tuple[list[str], list[str]]:
+    def _require_fits(self, summaries: "Sequence[EpisodeSummary]", spec: "TaskSpec") -> None:
+        from sheath_manip.dataset.compatibility import RecordedSpec, require_compatible
+
+        wanted = RecordedSpec.of_task(spec)
+        for each in summaries:
+            remedy = (
+                "train on a store of episodes that are alike, such as "
+                f"`sheath collect {spec.name}` records"
+            )
+            who = f"{each.name} of {self.store}"
+            require_compatible(wanted, each.spec, who, f"the task {spec.name}", remedy)
+
+    def _split(
+        self, summaries: "Sequence[EpisodeSummary]", task: str, count: int
+    ) -> tuple[list[str], list[str]]:
         """The names of the episodes to train on, and of the expert's last `count`, held out."""
-        summaries = store.infos()
-        for summary in summaries:
-            if summary.info.task != task:
-                raise StoreError(
-                    f"{self.store} holds {summary.name} of task {summary.info.task!r}; wanted "
-                    f"episodes of {task!r}: record them with `sheath collect {task}`"
-                )
         expert = sorted(
             (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name)
             for s in summaries
@@ -176,3 +192,16 @@ class Train:
         held_out = [name for *_, name in expert[-count:]]
         training = [s.name for s in summaries if s.queries or s.info.purpose in BY_THE_EXPERT]
         return [name for name in training if name not in set(held_out)], held_out
+
+
+def _variant(summaries: "Sequence[EpisodeSummary]") -> str:
+    """The first that is recorded: all must fit the environment that it makes."""
+    told = (each.info.variant for each in summaries if each.info.variant)
+    return next(told, "default")
+
+
+def _outcomes(summaries: "Sequence[EpisodeSummary]", names: Sequence[str]) -> str:
+    """How the named episodes ended: one that failed is learned from as well."""
+    taken = set(names)
+    counts = Counter(str(each.outcome) for each in summaries if each.name in taken)
+    return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())

@@ -56,7 +56,7 @@ class Watch:
                 checkpoint = load_checkpoint(self.checkpoint, environment.spec)
                 policy = checkpoint.policy
                 with session.err.status("reading"):
-                    adjusting = adjusted(checkpoint, self.store)
+                    adjusting = adjusted(checkpoint, self.store, environment.spec)
                 gate = adjusting.gate
             parts = () if adjusting is None else adjusting.parts
             with (
@@ -78,11 +78,11 @@ class Watch:
 
     def _infos(self, spec: TaskSpec) -> Iterator[EpisodeInfo]:
         for index in count() if self.episodes is None else range(self.episodes):
-            yield EpisodeInfo(
-                task=spec.name,
+            yield EpisodeInfo.of(
+                spec,
+                variant=self.variant,
                 seed=scene_seed(Purpose.LEARNING, "dashboard", self.seed, index),
                 purpose=Purpose.LEARNING,
-                control_rate_hz=spec.control_rate_hz,
                 method="dashboard",
                 index=index,
                 run_seed=self.seed,

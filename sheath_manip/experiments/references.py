@@ -36,11 +36,12 @@ class Reference:
             for _ in range(self.plan.final):
                 report(self.name)
             return
-        environment = self.task.make_for_run(self.plan.final_variant, self.plan.seeds[0])
+        variant = self.plan.final_variant
+        environment = self.task.make_for_run(variant, self.plan.seeds[0])
         acting = self.task.references[self.name](environment)
         held_out = self.plan.held_out_set
         seeds = [scene_seed(Purpose.EVALUATION, held_out, i) for i in range(self.plan.final)]
-        records = evaluate_expert(environment, acting, self.name, seeds, report)
+        records = evaluate_expert(environment, variant, acting, self.name, seeds, report)
         environment.close()
         write_json(path, plain(asdict(figures_of(records))))
 

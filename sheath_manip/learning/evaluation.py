@@ -14,29 +14,36 @@ from sheath_manip.types import EpisodeInfo, Purpose
 
 def evaluate_policy(
     environment: Environment,
+    variant: str,
     checkpoint: Checkpoint,
     seeds: Sequence[int],
     report: Report = lambda _: None,
 ) -> list[EpisodeRecord]:
-    """The policy alone on the scenes of `seeds`; nothing is recorded, nothing learned from it."""
+    """The policy alone on the scenes of `seeds`; nothing is recorded, nothing learned from it.
+
+    `environment` is one of that `variant`.
+    """
     policy, method = checkpoint.policy, checkpoint.method
     gate = partial(redrawing, AlwaysPolicy(), policy)
-    return _judged(environment, seeds, gate, report, method, checkpoint.round, policy=policy)
+    number = checkpoint.round
+    return _judged(environment, variant, seeds, gate, report, method, number, policy=policy)
 
 
 def evaluate_expert(
     environment: Environment,
+    variant: str,
     expert: Expert,
     name: str,
     seeds: Sequence[int],
     report: Report = lambda _: None,
 ) -> list[EpisodeRecord]:
     """Likewise an expert, or who sits in its place."""
-    return _judged(environment, seeds, AlwaysExpert, report, name, expert=expert)
+    return _judged(environment, variant, seeds, AlwaysExpert, report, name, expert=expert)
 
 
 def _judged(
     environment: Environment,
+    variant: str,
     seeds: Sequence[int],
     gate: Callable[[], Gate],
     report: Report,
@@ -48,11 +55,11 @@ def _judged(
 ) -> list[EpisodeRecord]:
     records = []
     for index, seed in enumerate(seeds):
-        info = EpisodeInfo(
-            task=environment.spec.name,
+        info = EpisodeInfo.of(
+            environment.spec,
+            variant=variant,
             seed=seed,
             purpose=Purpose.EVALUATION,
-            control_rate_hz=environment.spec.control_rate_hz,
             method=name,
             round=number,
             index=index,

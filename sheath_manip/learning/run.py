@@ -93,7 +93,9 @@ class LearningRun:
         action = self.environment.spec.action
         self.person = attentive_person(expert, action) if person is None else person(expert)
         self.disturbed = DisturbedExpert(expert, action, plan.demonstration_noise)
-        self.recording = Recording(self.environment, expert, run_seed, store, listeners, report)
+        self.recording = Recording(
+            self.environment, expert, run_seed, store, listeners, report, plan.variant
+        )
         self.checkpoints = Checkpoints(self.environment.spec, plan, run_seed, directory)
 
     def close(self) -> None:
@@ -233,11 +235,12 @@ class LearningRun:
         measures = measures_of(
             episodes, visited, driver, fitted, aggregated, common.check, tolerance
         )
-        alone = self._alone(self.environment, fitted, self.plan.held_out)
+        alone = self._alone(self.environment, self.plan.variant, fitted, self.plan.held_out)
         final: Sequence[EpisodeRecord] = ()
         if self._is_last(fitted.method, fitted.round, measures.surrogate_loss):
-            environment = self.task.make_for_run(self.plan.final_variant, self.run_seed)
-            final = self._alone(environment, fitted, self.plan.final)
+            variant = self.plan.final_variant
+            environment = self.task.make_for_run(variant, self.run_seed)
+            final = self._alone(environment, variant, fitted, self.plan.final)
             environment.close()
         return RoundResult(
             method=fitted.method,
@@ -257,12 +260,12 @@ class LearningRun:
         )
 
     def _alone(
-        self, environment: Environment, checkpoint: Checkpoint, count: int
+        self, environment: Environment, variant: str, checkpoint: Checkpoint, count: int
     ) -> list[EpisodeRecord]:
         """The policy alone, on the same scenes for every method, seed and round."""
         held_out = self.plan.held_out_set
         seeds = [scene_seed(Purpose.EVALUATION, held_out, index) for index in range(count)]
-        return evaluate_policy(environment, checkpoint, seeds, self.report)
+        return evaluate_policy(environment, variant, checkpoint, seeds, self.report)
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.

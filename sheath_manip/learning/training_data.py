@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sheath_manip.dataset.compatibility import RecordedSpec, require_compatible
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.support.calibration import LEAST_EPISODES
-from sheath_manip.types import Purpose
+from sheath_manip.types import Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, samples_from
 
 
@@ -20,12 +21,13 @@ class TrainedOn:
     """expert episodes that were held out, one each"""
 
 
-def trained_on(reader: EpisodeReader, checkpoint: Checkpoint) -> TrainedOn:
-    """What `checkpoint` saw of the episodes in `reader`.
+def trained_on(reader: EpisodeReader, checkpoint: Checkpoint, spec: TaskSpec) -> TrainedOn:
+    """What `checkpoint` saw of the episodes in `reader`, used on a task of `spec`.
 
     Of a learning run: its demonstrations and its own rounds, as far as they went. Where no episodes
     were recorded for calibration, the last demonstrations are the held-out ones, as with
-    `sheath train`. Raises ParameterError where there are too few, or none of the task.
+    `sheath train`. Raises ParameterError where there are too few, or none of the task, and
+    StoreError where one does not fit `spec`.
     """
     summaries = [each for each in reader.infos() if each.info.task == checkpoint.task]
     runs = {each.info.run_seed for each in summaries}
@@ -54,6 +56,11 @@ def trained_on(reader: EpisodeReader, checkpoint: Checkpoint) -> TrainedOn:
         and each.info.round <= checkpoint.round
         and each.queries
     ]
+    wanted = RecordedSpec.of_task(spec)
+    for each in (*demonstrations, *held_out, *rounds):
+        remedy = "give the store and the variant that the checkpoint was trained on"
+        who = f"{each.name} of {reader.address}"
+        require_compatible(wanted, each.spec, who, f"the task {spec.name}", remedy)
     names = [each.name for each in (*demonstrations, *rounds)]
     return TrainedOn(
         samples_from(reader.learnable(names)),

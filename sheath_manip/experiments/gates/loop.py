@@ -109,11 +109,11 @@ def _driven(
     report: Report,
 ) -> Episode:
     """One episode on a scene that all gates and thresholds meet."""
-    info = EpisodeInfo(
-        task=setting.task.name,
+    info = EpisodeInfo.of(
+        environment.spec,
+        variant=setting.learning.variant,
         seed=scene_seed(Purpose.LEARNING, "gates", setting.seed, index),
         purpose=Purpose.LEARNING,
-        control_rate_hz=environment.spec.control_rate_hz,
         method=row,
         round=number,
         index=index,
@@ -145,7 +145,8 @@ def _learned(
     learner = setting.cloned(environment.spec)
     learner.policy.fit(joined([setting.demonstrations(), samples_from(episodes)]))
     seeds = setting.evaluation_seeds(held_out)
-    return tuple(evaluate_policy(environment, replace(learner, method=row), seeds, report))
+    learned = replace(learner, method=row)
+    return tuple(evaluate_policy(environment, setting.learning.variant, learned, seeds, report))
 
 
 def _records(content: Sequence[Mapping[str, Any]]) -> tuple[EpisodeRecord, ...]:

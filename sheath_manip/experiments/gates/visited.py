@@ -26,6 +26,7 @@ from sheath_manip.types import (
     Outcome,
     Purpose,
     Reason,
+    TaskSpec,
 )
 from sheath_manip.types.samples import Samples, samples_from
 
@@ -71,7 +72,7 @@ def record_visits(setting: Setting, report: Report) -> None:
     try:
         policy = setting.cloned(environment.spec).policy
         gate = Judged(lambda action: setting.probes.regret(expert, action))
-        for info in _infos(setting, environment.spec.control_rate_hz):
+        for info in _infos(setting, environment.spec):
             if not store.has(info):
                 rollout(
                     environment,
@@ -111,14 +112,14 @@ def _visit(episode: Episode, costly_regret: float, action: ActionSpec) -> Visit:
     )
 
 
-def _infos(setting: Setting, control_rate_hz: float) -> list[EpisodeInfo]:
+def _infos(setting: Setting, spec: TaskSpec) -> list[EpisodeInfo]:
     checkpoint = digest(setting.cloned_path())
     return [
-        EpisodeInfo(
-            task=setting.task.name,
+        EpisodeInfo.of(
+            spec,
+            variant=setting.learning.variant,
             seed=seed,
             purpose=Purpose.EVALUATION,
-            control_rate_hz=control_rate_hz,
             method=POLICY,
             index=index,
             run_seed=setting.seed,
