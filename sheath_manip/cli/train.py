@@ -103,7 +103,7 @@ class Train:
 
         store = open_place(self.store)
         summaries = store.infos()
-        with opened(task, _variant(summaries)) as environment:
+        with opened(task, _variant(summaries, task.name)) as environment:
             spec = environment.spec
         self._require_fits(summaries, spec)
 
@@ -194,9 +194,9 @@ class Train:
         return [name for name in training if name not in set(held_out)], held_out
 
 
-def _variant(summaries: "Sequence[EpisodeSummary]") -> str:
-    """The first that is recorded: all must fit the environment that it makes."""
-    told = (each.info.variant for each in summaries if each.info.variant)
+def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:
+    """The first that is recorded of the task: all must fit the environment that it makes."""
+    told = (s.info.variant for s in summaries if s.info.variant and s.info.task == task)
     return next(told, "default")
 
 
