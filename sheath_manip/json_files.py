@@ -30,3 +30,10 @@ def plain(value: Any) -> Any:
     if isinstance(value, float | np.floating):
         return float(value) if math.isfinite(value) else None
     return value
+
+
+def strict_float(value: float) -> float | str:
+    """Strict JSON has no NaN and no infinity: they are named, and `float` reads the names."""
+    if math.isfinite(value):
+        return value
+    return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"

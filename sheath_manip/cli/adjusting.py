@@ -19,6 +19,7 @@ from sheath_manip.protocols import Environment, Gate
 from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.request import Crew
 from sheath_manip.task import SCRIPTED, Task
+from sheath_manip.types import TaskSpec
 from sheath_manip.types.samples import Samples
 
 
@@ -54,18 +55,18 @@ def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:
     return Adjustable(gate, dial) if isinstance(gate, SupportGate) else gate
 
 
-def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None) -> Adjusting:
+def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None, spec: TaskSpec) -> Adjusting:
     """Return the sliders for the gate of `checkpoint`, which lies at `path`.
 
-    `store` has the episodes that it was fitted to. Raises StoreError where it is none, and
-    ParameterError where it lacks the episodes.
+    `store` has the episodes that it was fitted to. Raises StoreError where it is none or one does
+    not fit `spec`, and ParameterError where it lacks the episodes.
     """
     fitted = checkpoint.fitted
     if fitted.signal is None:
         # There is no boundary to move; what makes the gate says why, if that is wanted.
         nowhere = Boundary(fitted, 0.0, -1.0, 1.0)
         return Adjusting(AdjustedPolicy(path, Dial(nowhere)), (), None)
-    data = None if store is None else load_training_data(EpisodeStore(store), checkpoint)
+    data = None if store is None else load_training_data(EpisodeStore(store), checkpoint, spec)
     looks = (
         None
         if data is None

@@ -53,7 +53,7 @@ class Collect:
             infos = [self._info(spec, index) for index in range(self.episodes)]
             held = sum(store.has(info) for info in infos)
             driver = ExpertAlone()
-            requests = [EpisodeRequest(task, self.variant, info, driver) for info in infos]
+            requests = [EpisodeRequest(task, info, driver) for info in infos]
             records = list(run_all(executor, requests, store, listeners, report))
         print_figures(records, session)
         outcomes = Counter(record.outcome for record in records)
@@ -64,11 +64,11 @@ class Collect:
         return 0
 
     def _info(self, spec: TaskSpec, index: int) -> EpisodeInfo:
-        return EpisodeInfo(
-            task=spec.name,
+        return EpisodeInfo.of(
+            spec,
+            variant=self.variant,
             seed=scene_seed(Purpose.DEMONSTRATION, self.seed, 0, index),
             purpose=Purpose.DEMONSTRATION,
-            control_rate_hz=spec.control_rate_hz,
             # Another variant is another scene, though its seed be the same.
             method="expert" if self.variant == "default" else f"expert-{self.variant}",
             index=index,

@@ -30,8 +30,8 @@ class Replay:
     """to begin with: name, or place in `sheath data list`, from 0; -1 is the last"""
     speed: float = 1.0
     """1 is the episode's control rate, 2 twice as fast"""
-    variant: str = "default"
-    """of the task that it was recorded in, such as the `variant` of an experiment's plan"""
+    variant: str | None = None
+    """of the task that old episodes were recorded in, which do not say theirs"""
     once: bool = False
     """end after the first time"""
     export: Path | None = None
@@ -66,7 +66,7 @@ class Replay:
     def _maker(self, task: Task, shelf: "Shelf") -> Iterator["FilmMaker"]:
         from sheath_manip.playback.making import FilmMaker
 
-        maker = FilmMaker(task, self.variant, shelf.read)
+        maker = FilmMaker(task, self.variant, shelf.read, shelf.summary)
         try:
             yield maker
         finally:
@@ -91,7 +91,7 @@ class Replay:
         film = maker.film(place)
         self.address.warn(session)
         page = ReplayPage(
-            maker.spec,
+            maker.spec(place),
             shelf,
             maker.film,
             maker.exported,

@@ -77,7 +77,7 @@ class Run:
 
         checkpoint = self._checkpoint(task)
         with session.err.status("reading"):
-            adjusting = adjusted(self.checkpoint, checkpoint, self.trained_on)
+            adjusting = adjusted(self.checkpoint, checkpoint, self.trained_on, spec_of(task))
         with self.operating.crew(task, self.address, session, adjusting.parts) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
@@ -100,6 +100,7 @@ class Run:
         listeners: Sequence[Listener],
     ) -> int:
         from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
+        from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.checkpoint import digest
         from sheath_manip.rollout.request import EpisodeRequest
@@ -109,12 +110,12 @@ class Run:
         purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
         fallback = "" if self.policy_alone or self.expert == SCRIPTED else self.expert
         infos = [
-            EpisodeInfo(
-                task=task.name,
+            EpisodeInfo.of(
+                spec,
+                variant=self.variant,
                 # Apart from the scenes of any round and any evaluation.
                 seed=scene_seed(purpose, "run", self.seed, index),
                 purpose=purpose,
-                control_rate_hz=spec.control_rate_hz,
                 # What a fallback does is no demonstration, and must not be taken for one.
                 method="-".join(filter(None, (checkpoint.method or "run", fallback))),
                 round=checkpoint.round,
@@ -124,8 +125,11 @@ class Run:
             )
             for index in range(self.episodes)
         ]
-        requests = [EpisodeRequest(task, self.variant, info, driver) for info in infos]
         store = EpisodeStore.create(self.store) if self.store else None
+        if store is not None and self.expert == PERSON:
+            # The same scene by hand again is another episode.
+            infos = begun(store, infos, new_session())
+        requests = [EpisodeRequest(task, info, driver) for info in infos]
         with SerialExecutor() as executor, session.progress("episodes", self.episodes) as report:
             records = list(run_all(executor, requests, store, listeners, report))
         print_episodes(records, spec.metric, session)

@@ -1,8 +1,7 @@
 """`sheath teleop`: demonstrations by hand."""
 
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
@@ -29,7 +28,7 @@ class Teleop:
     store: Path
     """directory for the episodes; made where there is none"""
     episodes: int = 5
-    """how many the store shall hold"""
+    """of how many scenes the store shall hold a demonstration"""
     seed: int = 0
     """from which the scenes follow"""
     variant: str = "default"
@@ -49,6 +48,7 @@ class Teleop:
         operating = Operating(fallback, float("inf"), self.speed, self.spacemouse)
         # Only now: other verbs need no store.
         from sheath_manip.cli.episodes import print_figures, run_all
+        from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.drivers import ExpertAlone
         from sheath_manip.rollout.request import EpisodeRequest
@@ -59,8 +59,8 @@ class Teleop:
             start = UntilTaken(crew.cockpit)
             store, driver = EpisodeStore.create(self.store), crew.driver(ExpertAlone())
             requests = [
-                EpisodeRequest(operated, self.variant, info, driver)
-                for info in self._infos(crew.spec)
+                EpisodeRequest(operated, info, driver)
+                for info in begun(store, self._infos(crew.spec), new_session())
             ]
             with SerialExecutor() as executor:
                 records = list(
@@ -78,16 +78,17 @@ class Teleop:
         session.out.print(Text(f"{counts}; in {self.store}"))
         return 0
 
-    def _infos(self, spec: TaskSpec) -> Iterator[EpisodeInfo]:
+    def _infos(self, spec: TaskSpec) -> list[EpisodeInfo]:
         method = PERSON if self.variant == "default" else f"{PERSON}-{self.variant}"
-        first = EpisodeInfo(
-            task=spec.name,
-            seed=0,
-            purpose=Purpose.DEMONSTRATION,
-            control_rate_hz=spec.control_rate_hz,
-            method=method,
-            run_seed=self.seed,
-        )
-        for index in range(self.episodes):
-            seed = scene_seed(Purpose.DEMONSTRATION, "by hand", self.seed, index)
-            yield replace(first, seed=seed, index=index)
+        return [
+            EpisodeInfo.of(
+                spec,
+                variant=self.variant,
+                seed=scene_seed(Purpose.DEMONSTRATION, "by hand", self.seed, index),
+                purpose=Purpose.DEMONSTRATION,
+                method=method,
+                index=index,
+                run_seed=self.seed,
+            )
+            for index in range(self.episodes)
+        ]

@@ -1,5 +1,7 @@
 """`sheath train`: a policy and its gate from the episodes of a store."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,15 +13,16 @@ from rich.text import Text
 from sheath_manip.cli.options import TaskName
 from sheath_manip.cli.planned import Planned, asked_policy, plan_named
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.learning.config import LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
-    from sheath_manip.dataset.reader import EpisodeReader
+    from sheath_manip.dataset.reader import EpisodeSummary
     from sheath_manip.protocols import TrainablePolicy
+    from sheath_manip.types import TaskSpec
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
 
@@ -66,6 +69,7 @@ class Train(Planned):
         Schedule(calibration=self.calibration)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
+        from sheath_manip.dataset.compatibility import remarks
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.dataset.places import open_place
         from sheath_manip.gates.fitted import Sources
@@ -76,8 +80,11 @@ class Train(Planned):
         from sheath_manip.signals import make_signal
         from sheath_manip.types.samples import samples_from
 
-        with opened(task, "default") as environment:
+        store = open_place(self.store)
+        summaries = store.infos()
+        with opened(task, _variant(summaries, task.name)) as environment:
             spec = environment.spec
+        self._require_fits(summaries, spec)
 
         def fresh_policy() -> "TrainablePolicy":
             return make_policy(config.name, spec, seed=self.seed, **config.settings)
@@ -88,8 +95,7 @@ class Train(Planned):
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
-        store = open_place(self.store)
-        training, held_out = self._split(store, spec.name, self.calibration)
+        training, held_out = self._split(summaries, self.calibration)
         with session.err.status("reading"):
             states = (
                 samples_from(store.learnable(training))
@@ -127,7 +133,8 @@ class Train(Planned):
         table = Table(title=Text(str(self.checkpoint)), title_justify="left", show_header=False)
         table.box = None
         rows = {
-            "trained on": f"{len(states)} states of {len(training)} episodes",
+            "trained on": f"{len(states)} states of {len(training)} episodes, "
+            f"{_outcomes(summaries, training)}",
             "training loss": f"{fit.training_loss:.4f}",
             "states that the policy may act in": f"{inside:.1%}",
             "threshold": f"{gate.threshold:.4g}",
@@ -138,17 +145,26 @@ class Train(Planned):
         for name, value in rows.items():
             table.add_row(name, Text(value))
         session.out.print(table)
+        for remark in remarks((each.info.variant, each.spec) for each in summaries):
+            session.out.print(Text(remark))
         return 0
 
-    def _split(self, store: "EpisodeReader", task: str, count: int) -> tuple[list[str], list[str]]:
+    def _require_fits(self, summaries: "Sequence[EpisodeSummary]", spec: "TaskSpec") -> None:
+        from sheath_manip.dataset.compatibility import RecordedSpec, require_compatible
+
+        wanted = RecordedSpec.of_task(spec)
+        for each in summaries:
+            remedy = (
+                "train on a store of episodes that are alike, such as "
+                f"`sheath collect {spec.name}` records"
+            )
+            who = f"{each.name} of {self.store}"
+            require_compatible(wanted, each.spec, who, f"the task {spec.name}", remedy)
+
+    def _split(
+        self, summaries: "Sequence[EpisodeSummary]", count: int
+    ) -> tuple[list[str], list[str]]:
         """The names of the episodes to train on, and of the expert's last `count`, held out."""
-        summaries = store.infos()
-        for summary in summaries:
-            if summary.info.task != task:
-                raise StoreError(
-                    f"{self.store} holds {summary.name} of task {summary.info.task!r}; wanted "
-                    f"episodes of {task!r}: record them with `sheath collect {task}`"
-                )
         expert = sorted(
             (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name)
             for s in summaries
@@ -157,9 +173,22 @@ class Train(Planned):
         if len(expert) <= count:
             raise ParameterError(
                 f"{self.store} holds {len(expert)} expert episodes; wanted more than the "
-                f"{count} that are held out: record more with `sheath collect {task}`, "
+                f"{count} that are held out: record more with `sheath collect {self.task}`, "
                 "or give a smaller --calibration"
             )
         held_out = [name for *_, name in expert[-count:]]
         training = [s.name for s in summaries if s.queries or s.info.purpose in BY_THE_EXPERT]
         return [name for name in training if name not in set(held_out)], held_out
+
+
+def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:
+    """The first that is recorded of the task: all must fit the environment that it makes."""
+    told = (s.info.variant for s in summaries if s.info.variant and s.info.task == task)
+    return next(told, "default")
+
+
+def _outcomes(summaries: "Sequence[EpisodeSummary]", names: Sequence[str]) -> str:
+    """How the named episodes ended: one that failed is learned from as well."""
+    taken = set(names)
+    counts = Counter(str(each.outcome) for each in summaries if each.name in taken)
+    return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())

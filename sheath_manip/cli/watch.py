@@ -60,7 +60,7 @@ class Watch:
         if self.checkpoint is not None:
             checkpoint = load_checkpoint(self.checkpoint, spec)
             with session.err.status("reading"):
-                adjusting = adjusted(self.checkpoint, checkpoint, self.store)
+                adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec)
             driver = adjusting.driver
         parts = () if adjusting is None else adjusting.parts
         with (
@@ -70,20 +70,18 @@ class Watch:
         ):
             if adjusting is not None and adjusting.states is not None:
                 page.on_fit(adjusting.states)
-            requests = (
-                EpisodeRequest(task, self.variant, info, driver) for info in self._infos(spec)
-            )
+            requests = (EpisodeRequest(task, info, driver) for info in self._infos(spec))
             for record in run_all(executor, requests, listeners=(page, pacing)):
                 session.out.print(f"scene {record.seed}: {record.outcome}")
         return 0
 
     def _infos(self, spec: TaskSpec) -> Iterator[EpisodeInfo]:
         for index in count() if self.episodes is None else range(self.episodes):
-            yield EpisodeInfo(
-                task=spec.name,
+            yield EpisodeInfo.of(
+                spec,
+                variant=self.variant,
                 seed=scene_seed(Purpose.LEARNING, "dashboard", self.seed, index),
                 purpose=Purpose.LEARNING,
-                control_rate_hz=spec.control_rate_hz,
                 method="dashboard",
                 index=index,
                 run_seed=self.seed,

@@ -47,6 +47,12 @@ class Shelf:
             )
         return self._names[place]
 
+    def summary(self, place: int) -> EpisodeSummary:
+        """The episode at a glance, marks included."""
+        self.name(place)
+        with self._lock:
+            return self._summaries[place]
+
     def read(self, place: int) -> Episode:
         """The episode as it was recorded."""
         return self._store.read(self.name(place))

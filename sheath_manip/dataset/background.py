@@ -30,7 +30,7 @@ class BackgroundRecorder(Recorder):
         """Begin to append the episode; raises StoreError where the one before could not be."""
         self.flush()
         # Not in the thread: it would take turns with the simulation at every row.
-        recorded = recorded_of(episode)
+        recorded = recorded_of(episode, self.space)
         self._written = self._thread.submit(self._writer.adopt, recorded)
 
     def __enter__(self) -> Self:

@@ -4,9 +4,11 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from statistics import mean
 
+from sheath_manip.dataset.compatibility import RecordedSpec, differences
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec, layout
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
+from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.table import readable
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import TaskSpec
@@ -33,9 +35,10 @@ _MEANINGS = {
 
 
 def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
-    """The card of a store; `spec` names features and actions with their units.
+    """The card of a store, in which what differs between its episodes is named.
 
-    Raises StoreError where no episode can be read.
+    `spec` names features and actions where no episode does. Raises StoreError where no episode can
+    be read.
     """
     summaries, broken = readable(reader)
     if not summaries:
@@ -43,18 +46,21 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
         raise StoreError(f"{reader.address} has no episode{why}")
     headers = [reader.header(summary.name) for summary in summaries]
     # Only where a limit acted does an episode have the array that tells of it.
-    header = max(headers, key=lambda header: bool(header.limits))
+    header = max(headers, key=lambda header: (header.space is not None, bool(header.limits)))
+    space = header.space or (None if spec is None else Space.of(spec))
     info = header.info
     dates = sorted({header.recorded_utc for header in headers})
     steps = sum(summary.length for summary in summaries)
+    minutes = sum(each.length / each.info.control_rate_hz for each in summaries) / 60
     expert = sum(summary.expert_share * summary.length for summary in summaries) / steps
     versions = ", ".join(f"{package} {version}" for package, version in header.versions.items())
     lines = [
         f"# Episodes of the task {info.task}",
         "",
         f"- licence: {licence}",
-        f"- control rate: {info.control_rate_hz:g} Hz",
-        f"- {len(summaries)} episodes, {steps} steps, {steps / info.control_rate_hz / 60:.1f} min, "
+        f"- control rate: {_each(f'{s.info.control_rate_hz:g} Hz' for s in summaries)}",
+        f"- variant: {_each(s.info.variant or 'not recorded' for s in summaries)}",
+        f"- {len(summaries)} episodes, {steps} steps, {minutes:.1f} min, "
         f"{sum(summary.bytes for summary in summaries) / 1e6:.1f} MB",
         f"- outcomes: {_counts(str(s.outcome) for s in summaries)}",
         f"- purposes: {_counts(str(s.info.purpose) for s in summaries)}",
@@ -63,6 +69,7 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
         f"{sum(s.queries for s in summaries)} steps asked for a label",
         *(f"- {name}: mean {value:.4g}" for name, value in _metrics(summaries).items()),
         f"- recorded {' to '.join(dict.fromkeys([dates[0], dates[-1]]))} by {versions}",
+        *_unlike(summaries, RecordedSpec.of(header)),
         *([f"- {len(broken)} further episodes cannot be read"] if broken else []),
         "",
         "Each episode has T steps and T+1 observations (`final/…` is the last), all actions and "
@@ -70,20 +77,33 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
         "",
         "| key | type | shape | meaning |",
         "|---|---|---|---|",
-        *(_row(array, header, spec) for array in layout(header)),
+        *(_row(array, header, space) for array in layout(header)),
         "",
     ]
     return "\n".join(lines)
 
 
-def _row(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
+def _each(words: Iterable[str]) -> str:
+    """The one word that all have, or how many have which."""
+    counts = Counter(words)
+    return next(iter(counts)) if len(counts) == 1 else _counts(counts.elements())
+
+
+def _unlike(summaries: Sequence[EpisodeSummary], described: RecordedSpec) -> list[str]:
+    """Lines on episodes that are not as the one whose arrays the card describes."""
+    unlike = {s.name: differences(described, s.spec) for s in summaries}
+    counts = Counter("; ".join(map(str, found)) for found in unlike.values() if found)
+    return [f"- {count} episodes have another: {what}" for what, count in counts.most_common()]
+
+
+def _row(array: ArraySpec, header: Header, space: Space | None) -> str:
     final = array.path.startswith("final/")
     sizes = ["l"] if array.path == "limited" else array.shape[1:]
     shape = ", ".join(map(str, array.shape if final else ("T", *sizes)))
-    return f"| `{array.path}` | {array.dtype} | ({shape}) | {_meaning(array, header, spec)} |"
+    return f"| `{array.path}` | {array.dtype} | ({shape}) | {_meaning(array, header, space)} |"
 
 
-def _meaning(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
+def _meaning(array: ArraySpec, header: Header, space: Space | None) -> str:
     paths = {each.path for each in layout(header)}
     path = array.path.removeprefix("final/")
     text = "RGB" if array.is_image else _MEANINGS[path]
@@ -92,10 +112,10 @@ def _meaning(array: ArraySpec, header: Header, spec: TaskSpec | None) -> str:
     elif f"final/{path}" in paths:
         text += ", before the action"
     names: Sequence[str] = ()
-    if spec is not None and path == "features" and len(spec.feature_names) == header.feature_size:
-        names = spec.feature_names
-    if spec is not None and path in ("proposed", "labelled", "executed"):
-        names = spec.action.names
+    if space is not None and path == "features" and len(space.feature_names) == header.feature_size:
+        names = space.feature_names
+    if space is not None and path in ("proposed", "labelled", "executed"):
+        names = space.action_names
     # A platform of hundreds of tiles would make a line that nobody reads.
     listed = ", ".join(f"`{name}`" for name in names[:16]) + ", …" * (len(names) > 16)
     return text + (f": {listed}" if listed else "")

@@ -4,7 +4,7 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -12,18 +12,23 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
-from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.naming import episode_name, is_session
+from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
+from sheath_manip.json_files import strict_float
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
 
 FORMAT = "sheath-episode"
 GROUP_FILE = "zarr.json"
 """where zarr keeps a group's attributes"""
-SCHEMA = 1
+SCHEMA = 2
 """Raise it whenever a reader of the old one would misread the new one."""
+READABLE = (1, SCHEMA)
+"""Those of schema 1 tell neither variant nor session nor space."""
 
 # A camera is a folder of the group, on any system.
 _CAMERA = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+_UNTOLD = {"variant": "", "session": "", "space": None}
 _PACKAGES = ("sheath-manip", "mujoco", "numpy", "zarr")
 
 
@@ -59,11 +64,15 @@ class Header:
     """of the packages that wrote it"""
     recorded_utc: str
     """ISO 8601"""
+    space: Space | None = None
+    """what features and actions mean; None where the recording does not say"""
 
 
-def header_of(episode: Episode) -> Header:
-    """The header of `episode`; raises StoreError where it has no step, no control rate, or a camera
-    of an odd name.
+def header_of(episode: Episode, space: Space | None = None) -> Header:
+    """The header of `episode`, whose features and actions mean what `space` says.
+
+    Raises StoreError where it has no step, no control rate, a camera of an odd name or a session
+    that is no word, and where `space` is of other sizes.
     """
     name = episode_name(episode.info)
     if not episode.steps:
@@ -77,7 +86,11 @@ def header_of(episode: Episode) -> Header:
             raise StoreError(
                 f"{name}: wanted a camera name of letters, digits and _.- only, got {camera!r}"
             )
-    return Header(
+    if not is_session(episode.info.session):
+        raise StoreError(
+            f"{name}: wanted a session of letters and digits, got {episode.info.session!r}"
+        )
+    header = Header(
         info=episode.info,
         length=len(episode),
         cameras={
@@ -98,12 +111,18 @@ def header_of(episode: Episode) -> Header:
         limits=tuple(sorted({each.limit for step in episode.steps for each in step.limited})),
         versions={name: _version(name) for name in _PACKAGES},
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
+        space=space,
     )
+    try:
+        _require_sizes(header)
+    except ValueError as error:
+        raise StoreError(f"{name}: {error}; mend the environment's spec") from error
+    return header
 
 
 def to_attributes(header: Header) -> dict[str, Any]:
     """The header as JSON; `from_attributes` is its inverse."""
-    fields = asdict(header)
+    fields = asdict(replace(header, space=None))
     info = fields.pop("info")
     for name in ("seed", "round", "index", "run_seed"):
         # A seed often comes from numpy, whose integers JSON does not take.
@@ -114,8 +133,9 @@ def to_attributes(header: Header) -> dict[str, Any]:
         **info,
         **fields,
         "control_rate_hz": float(header.info.control_rate_hz),
-        "metrics": {name: _to_json(value) for name, value in header.metrics.items()},
+        "metrics": {name: strict_float(value) for name, value in header.metrics.items()},
         "success": header.outcome is Outcome.SUCCESS,
+        "space": None if header.space is None else header.space.to_json(),
     }
 
 
@@ -164,11 +184,11 @@ def from_attributes(name: str, attributes: Any) -> Header:
             FaultKind.FOREIGN,
             f"wanted a zarr group of format {FORMAT!r}, found another; move it away",
         )
-    if attributes.get("schema") != SCHEMA:
+    if attributes.get("schema") not in READABLE:
         raise FaultError(
             name,
             FaultKind.SCHEMA,
-            f"wanted schema {SCHEMA}, found {attributes.get('schema')}; "
+            f"wanted schema {' or '.join(map(str, READABLE))}, found {attributes.get('schema')}; "
             "read it with the version of sheath-manip that wrote it "
             f"({_writer(attributes)})",
         )
@@ -190,7 +210,11 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
     for flag in ("terminated", "truncated"):
         if not isinstance(attributes[flag], bool):
             raise TypeError(f"wanted true or false for {flag}, found {attributes[flag]!r}")
-    return Header(
+    # Before schema 2 nobody said, and that is not the same as the default.
+    told = attributes if attributes["schema"] != 1 else _UNTOLD
+    if not is_session(str(told["session"])):
+        raise ValueError(f"wanted a session of letters and digits, found {told['session']!r}")
+    header = Header(
         info=EpisodeInfo(
             task=str(attributes["task"]),
             seed=int(attributes["seed"]),
@@ -201,6 +225,8 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
             index=int(attributes["index"]),
             run_seed=int(attributes["run_seed"]),
             checkpoint=str(attributes["checkpoint"]),
+            variant=str(told["variant"]),
+            session=str(told["session"]),
         ),
         length=int(attributes["length"]),
         cameras={
@@ -213,7 +239,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         terminated=attributes["terminated"],
         truncated=attributes["truncated"],
         outcome=Outcome(attributes["outcome"]),
-        # float() reads both a JSON number and the names that _to_json gives to the rest.
+        # float() reads both a JSON number and the names that `strict_float` gives to the rest.
         metrics={name: float(value) for name, value in attributes["metrics"].items()},
         expert_steps=int(attributes["expert_steps"]),
         queries=int(attributes["queries"]),
@@ -222,18 +248,26 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         limits=tuple(str(value) for value in attributes.get("limits", ())),
         versions={name: str(value) for name, value in attributes["versions"].items()},
         recorded_utc=str(attributes["recorded_utc"]),
+        space=None if told["space"] is None else Space.from_json(told["space"]),
     )
+    _require_sizes(header)
+    return header
+
+
+def _require_sizes(header: Header) -> None:
+    """Raise ValueError where the space is not of the arrays' sizes."""
+    if header.space is None:
+        return
+    for what, names, size in (
+        ("features", header.space.feature_names, header.feature_size),
+        ("actions", header.space.action_names, header.action_size),
+    ):
+        if len(names) != size:
+            raise ValueError(f"wanted the names of {size} {what}, got {len(names)}")
 
 
 def _is_rate(rate_hz: float) -> bool:
     return 0 < rate_hz < math.inf
-
-
-def _to_json(value: float) -> float | str:
-    """Strict JSON has no NaN and no infinity: they are named as in zarr's own metadata."""
-    if math.isfinite(value):
-        return value
-    return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
 
 
 @cache

@@ -2,18 +2,24 @@
 
 import shutil
 import uuid
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sheath_manip.dataset.check import check_episode
+from sheath_manip.dataset.compatibility import Alike, RecordedSpec, remarks
+from sheath_manip.dataset.content import content_digest
 from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.faults import FaultError
-from sheath_manip.dataset.naming import LEFTOVER_PREFIX
+from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX, split_session
 from sheath_manip.dataset.reader import EpisodeReader
+from sheath_manip.dataset.renamed import OfSession
+from sheath_manip.dataset.sessions import DIGITS
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 
@@ -29,7 +35,11 @@ class Merged:
 
     copied: int
     held: int
-    """episodes that the target had already, the same to the byte"""
+    """episodes that the target, or another source, had already with the same content"""
+    renamed: tuple[str, ...] = ()
+    """new names of episodes whose own one another episode had"""
+    remarks: tuple[str, ...] = field(default=(), compare=False)
+    """what must be told of episodes that may lie together all the same"""
 
 
 def merge(
@@ -39,34 +49,78 @@ def merge(
 ) -> Merged:
     """Copy the episodes of all `sources` into `target`, whose own stay as they are.
 
-    Raises StoreError, before anything is copied, where two episodes of one name differ, where one
-    is of another task, and where one is damaged. A merge that was cut off can be run again.
+    What is there with the same content, under whatever session, is not copied again; where another
+    episode has the name, as of two recordings by hand of one scene, it becomes one of a session
+    that is named after its content. Raises StoreError, before anything is copied, where episodes
+    do not fit each other, and where one is damaged. A merge that was cut off can be run again.
     """
-    task = ""
-    held_names, plan, held = set(target.names()), dict[str, EpisodeReader](), 0
-    for reader in (target, *sources):
+    headers = _fitting((target, *sources))
+    there = _There(target)
+    plan, held, renamed = list[tuple[EpisodeReader, str]](), 0, list[str]()
+    for reader in sources:
         for name in reader.names():
-            header = reader.header(name)
-            task = task or header.info.task
-            if header.info.task != task:
-                raise StoreError(
-                    f"{reader.address} holds {name} of task {header.info.task!r}, others are of "
-                    f"{task!r}; one store holds one task"
-                )
-            if reader is target:
-                continue
-            other = target if name in held_names else plan.get(name)
-            if other is not None:
-                _require_same(reader, other, name)
+            if there.has(reader, name):
                 held += 1
                 continue
             for fault in check_episode(reader, name):
                 raise FaultError(fault.name, fault.kind, fault.text)
-            plan[name] = reader
-    for name, reader in plan.items():
+            if name in there:
+                taken = OfSession(reader, name, content_digest(reader, name)[:DIGITS])
+                (new,) = taken.names()
+                renamed.append(new)
+                plan.append((taken, new))
+            else:
+                plan.append((reader, name))
+            there.add(*plan[-1])
+    for reader, name in plan:
         target.copy_from(reader, name)
         report(name)
-    return Merged(len(plan), held)
+    kept = (
+        headers.get((reader.address, name)) or reader.header(name)
+        for name, reader in there.readers.items()
+    )
+    told = remarks((header.info.variant, RecordedSpec.of(header)) for header in kept)
+    return Merged(len(plan), held, tuple(renamed), told)
+
+
+class _There:
+    """What the target of a merge will hold."""
+
+    def __init__(self, target: EpisodeReader) -> None:
+        self.readers: dict[str, EpisodeReader] = dict.fromkeys(target.names(), target)
+        self._of_scene = defaultdict[str, list[str]](list)
+        for name in self.readers:
+            self._of_scene[split_session(name)[0]].append(name)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.readers
+
+    def add(self, reader: EpisodeReader, name: str) -> None:
+        """Note that the episode `name` of `reader` will be there."""
+        self.readers[name] = reader
+        self._of_scene[split_session(name)[0]].append(name)
+
+    def has(self, reader: EpisodeReader, name: str) -> bool:
+        """Whether an episode of the same scene has the same content as `name` of `reader`."""
+        candidates = self._of_scene[split_session(name)[0]]
+        # To compare files is far cheaper than to decompress them.
+        if name in self and _same_files(reader, self.readers[name], name):
+            return True
+        if not candidates:
+            return False
+        digest = content_digest(reader, name)
+        return any(content_digest(self.readers[other], other) == digest for other in candidates)
+
+
+def _fitting(readers: Sequence[EpisodeReader]) -> dict[tuple[str, str], Header]:
+    """The headers of all episodes by place and name; raises StoreError where one does not fit."""
+    headers, alike = {}, Alike("keep them in stores of their own; nothing was copied")
+    for reader in readers:
+        for name in reader.names():
+            header = reader.header(name)
+            alike.take(f"{name} of {reader.address}", RecordedSpec.of(header))
+            headers[reader.address, name] = header
+    return headers
 
 
 def split(
@@ -126,12 +180,8 @@ def _drawn(
     }
 
 
-def _require_same(reader: EpisodeReader, other: EpisodeReader, name: str) -> None:
+def _same_files(reader: EpisodeReader, other: EpisodeReader, name: str) -> bool:
     files = reader.files(name)
-    if files != other.files(name) or any(
-        reader.content(name, file) != other.content(name, file) for file in files
-    ):
-        raise StoreError(
-            f"{reader.address} and {other.address} hold different episodes {name}; both are kept: "
-            "`sheath data drop` one of them first"
-        )
+    return files == other.files(name) and all(
+        reader.content(name, file) == other.content(name, file) for file in files
+    )

@@ -1,6 +1,7 @@
 """The name of an episode's directory: deterministic, sortable, one for each episode of a run."""
 
 import re
+from dataclasses import replace
 from urllib.parse import quote
 
 from sheath_manip.types import EpisodeInfo, Purpose
@@ -8,20 +9,41 @@ from sheath_manip.types import EpisodeInfo, Purpose
 LEFTOVER_PREFIX = ".tmp-"
 """of whatever is still being written"""
 
-_NAME = re.compile(rf"({'|'.join(Purpose)})(-.+)?-s-?\d+-r-?\d+-i-?\d+-seed-?\d+")
+_NAME = re.compile(
+    rf"({'|'.join(Purpose)})(-.+)?-s-?\d+-r-?\d+-i-?\d+-seed-?\d+(-session[0-9A-Za-z]+)?"
+)
+_SESSION = re.compile(r"[0-9A-Za-z]*")
 
 
 def episode_name(info: EpisodeInfo) -> str:
     """Where the episode of `info` is kept, such as `learning-sheath-s0-r03-i007-seed12345`.
 
-    Task and checkpoint are left out: one store holds one task, and a second run of the same episode
-    must meet the first one's name.
+    Task, variant and checkpoint are left out: a second run of the same episode must meet the first
+    one's name. A recording by hand ends in `-session` and the name of that.
     """
     # A method is free text; quoting keeps it one path component and keeps different ones apart.
     who = "-".join(part for part in (info.purpose.value, quote(info.method, safe="")) if part)
-    return f"{who}-s{info.run_seed}-r{info.round:02d}-i{info.index:03d}-seed{info.seed}"
+    session = f"-session{quote(info.session, safe='')}" if info.session else ""
+    return f"{who}-s{info.run_seed}-r{info.round:02d}-i{info.index:03d}-seed{info.seed}{session}"
+
+
+def scene_name(info: EpisodeInfo) -> str:
+    """What the names of all recordings of one scene begin with, whatever their session."""
+    return episode_name(replace(info, session=""))
+
+
+def split_session(name: str) -> tuple[str, str]:
+    """The `scene_name` in an episode's name, and its session, empty where it has none."""
+    # A session has no dash in it, and what is before it ends in a number.
+    before, dash, last = name.rpartition("-session")
+    return (before, last) if dash and "-" not in last else (name, "")
 
 
 def is_episode_name(name: str) -> bool:
     """Whether `name` could have come from `episode_name`."""
     return _NAME.fullmatch(name) is not None
+
+
+def is_session(text: str) -> bool:
+    """Whether `text` may tell a session, or be none: letters and digits only."""
+    return _SESSION.fullmatch(text) is not None

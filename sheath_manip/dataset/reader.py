@@ -2,11 +2,13 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.faults import Fault
+from sheath_manip.dataset.compatibility import RecordedSpec, require_compatible
+from sheath_manip.dataset.faults import Fault, FaultError
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec, layout
 from sheath_manip.dataset.marks import Marks, learnable
@@ -36,6 +38,8 @@ class EpisodeSummary:
     metrics: Mapping[str, float]
     bytes: int
     """on the disk"""
+    spec: RecordedSpec
+    """what another must have in common with it to be mixed with it"""
 
 
 class EpisodeReader(ABC):
@@ -70,6 +74,23 @@ class EpisodeReader(ABC):
     def entry_faults(self) -> list[Fault]:
         """What else is in that place."""
 
+    def require_fits(self, spec: RecordedSpec, who: str) -> None:
+        """Raise StoreError where `who`, of `spec`, is not to be put beside what is here.
+
+        Held against the first episode that can be read: what is here fits each other.
+        """
+        held = self.example()
+        if held is not None:
+            whose, wanted = held
+            require_compatible(wanted, spec, who, whose, "give a store of its own")
+
+    def example(self) -> tuple[str, RecordedSpec] | None:
+        """Return what the first episode that can be read is called, and its spec."""
+        for name in self.names():
+            with suppress(FaultError):
+                return f"{name} of {self.address}", RecordedSpec.of(self.header(name))
+        return None
+
     def marks(self, name: str) -> Marks:  # noqa: ARG002
         """What a person said of the episode afterwards; raises StoreError where that is broken.
 
@@ -98,6 +119,7 @@ class EpisodeReader(ABC):
             queries=header.queries,
             metrics=header.metrics,
             bytes=sum(self.files(name).values()),
+            spec=RecordedSpec.of(header),
         )
 
     def infos(self) -> list[EpisodeSummary]:

@@ -1,5 +1,6 @@
 """A listener that puts each finished episode into a store."""
 
+from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
@@ -11,16 +12,19 @@ class Recorder:
 
     def __init__(self, store: EpisodeStore) -> None:
         self.store = store
+        self.space: Space | None = None
+        """of the environment that is listened to"""
 
     def on_fit(self, states: Samples) -> None:
         """Checkpoints are not kept in the store."""
 
-    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
-        """Nothing is written before an episode is complete."""
+    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:  # noqa: ARG002
+        """Note what features and actions mean; an episode is written when it is complete."""
+        self.space = Space.of(environment.spec)
 
     def on_step(self, environment: Environment, step: Step) -> None:
         """Nothing is written before an episode is complete."""
 
     def on_end(self, episode: Episode) -> None:
         """Append the episode; raises StoreError as `EpisodeStore.append` does."""
-        self.store.append(episode)
+        self.store.append(episode, self.space)

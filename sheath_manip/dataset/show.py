@@ -70,11 +70,13 @@ def _facts(header: Header, bytes: int) -> dict[str, str]:
     seconds = header.length / info.control_rate_hz
     return {
         "task": info.task,
+        "variant": info.variant or "not recorded",
         "purpose": info.purpose,
         "method": info.method or "none",
         "round, index": f"{info.round}, {info.index}",
         "scene seed, run seed": f"{info.seed}, {info.run_seed}",
         "checkpoint": info.checkpoint or "none",
+        "session": info.session or "none",
         "length": f"{header.length} steps at {info.control_rate_hz:g} Hz, {seconds:.1f} s",
         "outcome": f"{header.outcome} ({' and '.join(ends) or 'neither terminated nor truncated'})",
         "expert, queries": f"{header.expert_steps} and {header.queries} steps",

@@ -11,6 +11,7 @@ from sheath_manip.dataset.header import Header, header_of
 from sheath_manip.dataset.layout import Arrays, layout
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
     Action,
@@ -23,9 +24,12 @@ from sheath_manip.types import (
 )
 
 
-def recorded_of(episode: Episode) -> Recorded:
-    """The episode by column; raises StoreError as `header_of` and `arrays_of` do."""
-    header = header_of(episode)
+def recorded_of(episode: Episode, space: Space | None = None) -> Recorded:
+    """The episode by column, whose features and actions mean what `space` says.
+
+    Raises StoreError as `header_of` and `arrays_of` do.
+    """
+    header = header_of(episode, space)
     return Recorded(header, arrays_of(episode, header))
 
 

@@ -7,7 +7,7 @@ read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no r
 import shutil
 import uuid
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from sheath_manip.dataset.marks import (
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
 from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.steps import (
     not_finite,
     recorded_of,
@@ -74,16 +75,17 @@ class EpisodeStore(EpisodeReader):
             ) from error
         return cls(path)
 
-    def append(self, episode: Episode) -> str:
+    def append(self, episode: Episode, space: Space | None = None) -> str:
         """Write `episode`, synced to the disk on return, and give its name.
 
-        Raises StoreError, with nothing changed, where an episode of that name exists (ask `has`
-        first), where an executed or labelled action is not finite, where the steps' arrays disagree
-        in shape or have other types than `types` declares, and where the disk is nearly full.
+        `space` says what its features and actions mean. Raises StoreError, with nothing changed,
+        where an episode of that name exists (ask `has` first), where an executed or labelled action
+        is not finite, where the steps' arrays disagree in shape or have other types than `types`
+        declares, and where the disk is nearly full.
         """
         if self._directory(episode.info).exists():
             raise _taken(self.path, episode_name(episode.info))
-        return self.adopt(recorded_of(episode))
+        return self.adopt(recorded_of(episode, space))
 
     def adopt(self, recorded: Recorded) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
@@ -164,13 +166,16 @@ class EpisodeStore(EpisodeReader):
     def has(self, info: EpisodeInfo) -> bool:
         """Whether the episode of `info` is stored, so that a resumed run may skip it.
 
-        Raises StoreError where its name is taken by an episode of another task, checkpoint or
-        control rate: skipping that one would mix two runs.
+        Raises StoreError where its name is taken by an episode of another task, variant, checkpoint
+        or control rate: skipping that one would mix two runs.
         """
         directory = self._directory(info)
         if not directory.exists():
             return False
         held = read_header(directory).info
+        if not held.variant:
+            # Of before episodes said theirs: only its name can be gone by, as then.
+            held = replace(held, variant=info.variant)
         if held != info:
             both = ((f.name, getattr(held, f.name), getattr(info, f.name)) for f in fields(info))
             differing = ", ".join(f"{key} {a!r} instead of {b!r}" for key, a, b in both if a != b)

@@ -34,11 +34,11 @@ def evaluation_requests(
         run_seed: of the training run.
     """
     infos = [
-        EpisodeInfo(
-            task=spec.name,
+        EpisodeInfo.of(
+            spec,
+            variant=variant,
             seed=scene_seed(Purpose.EVALUATION, scenes, index),
             purpose=Purpose.EVALUATION,
-            control_rate_hz=spec.control_rate_hz,
             method=method,
             round=number,
             index=index,
@@ -46,4 +46,4 @@ def evaluation_requests(
         )
         for index in range(count)
     ]
-    return [EpisodeRequest(task, variant, info, driver) for info in infos]
+    return [EpisodeRequest(task, info, driver) for info in infos]

@@ -205,12 +205,12 @@ class LearningRun:
         """Run or read `count` episodes of round `number`; all of them are on the disk then."""
         variant = self.plan.schedule.variant
         infos = [
-            EpisodeInfo(
-                task=self.spec.name,
+            EpisodeInfo.of(
+                self.spec,
+                variant=variant,
                 # Not by method: all methods meet the same scenes in the same round.
                 seed=scene_seed(purpose, self.run_seed, number, index),
                 purpose=purpose,
-                control_rate_hz=self.spec.control_rate_hz,
                 method=method,
                 round=number,
                 index=index,
@@ -219,7 +219,7 @@ class LearningRun:
             )
             for index in range(count)
         ]
-        requests = [EpisodeRequest(self.task, variant, info, driver) for info in infos]
+        requests = [EpisodeRequest(self.task, info, driver) for info in infos]
         return list(self.executor.map(requests, self.store, self.listeners, self.report))
 
     def _share(self, method: Method, number: int) -> float | None:

@@ -5,7 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.compatibility import Alike, RecordedSpec, require_compatible
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.reader import EpisodeSummary
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.playback.film import Film, film_of
 from sheath_manip.playback.frames import Pictures, frames, seen
@@ -19,41 +21,48 @@ KINDS = ("mp4", "html")
 
 
 class FilmMaker:
-    """Owns the environment: all calls come from the thread that made it."""
+    """Owns the environment: all calls come from the thread that made it.
 
-    def __init__(self, task: Task, variant: str, read: Callable[[int], Episode]) -> None:
+    Its episodes must fit the first that is asked for, since one page shows them all.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        variant: str | None,
+        read: Callable[[int], Episode],
+        summary: Callable[[int], EpisodeSummary],
+    ) -> None:
         """Store what films are made of.
 
         Args:
             task: of the episodes.
-            variant: that they were recorded in; one of a run's own scene is made anew for each.
+            variant: of those that do not say in which they were recorded; None is the default.
             read: the episode at a place.
+            summary: what is known of it without its arrays.
         """
         self._task = task
         self._variant = variant
         self._read = read
-        self._run_seed: int | None = None
-        self._environment = self._opened(0)
+        self._summary = summary
+        self._alike = Alike("replay it by itself, with --episode")
+        self._scene: tuple[str, int] | None = None
+        self._environment: Environment | None = None
 
-    @property
-    def spec(self) -> TaskSpec:
-        """Of the task."""
-        return self._environment.spec
+    def spec(self, place: int) -> TaskSpec:
+        """Return that of the episode at `place`, whose environment is made; raises StoreError."""
+        return self._opened(self._summary(place)).spec
 
     def film(self, place: int) -> Film:
-        """The episode at `place`; raises StoreError where it is not of this task and variant."""
+        """The episode at `place`, in its own variant; raises StoreError where it does not fit."""
+        summary = self._summary(place)
+        environment, info, variant = self._opened(summary), summary.info, self._variant_of(summary)
         episode = self._read(place)
-        info = episode.info
-        if info.task != self._task.name:
-            raise StoreError(
-                f"the episode is of task {info.task!r}; wanted {self._task.name!r}, as the first"
-            )
-        self._environment = self._opened(info.run_seed)
         try:
-            return film_of(self._environment, episode)
+            return film_of(environment, episode)
         except (ValueError, IndexError, TypeError) as error:
             raise StoreError(
-                f"{episode_name(info)} does not fit variant {self._variant!r} of {info.task} "
+                f"{episode_name(info)} does not fit variant {variant!r} of {info.task} "
                 f"({error}); give the --variant that it was recorded in"
             ) from error
 
@@ -64,11 +73,12 @@ class FilmMaker:
 
     def close(self) -> None:
         """Free the simulator."""
-        self._environment.close()
+        if self._environment is not None:
+            self._environment.close()
 
     def _pictures(self, film: Film) -> Pictures | None:
         environment, picture = self._environment, self._task.picture
-        if picture is None:
+        if picture is None or environment is None:
             return None
 
         def drawn(step: int) -> NDArray[np.uint8]:
@@ -77,16 +87,34 @@ class FilmMaker:
 
         return drawn
 
-    def _opened(self, run_seed: int) -> Environment:
-        """The environment, made anew where each training run has a scene of its own."""
-        own = self._variant in self._task.run_variants
-        if self._run_seed is not None and (not own or run_seed == self._run_seed):
-            return self._environment
-        made = self._task.make_for_run(self._variant, run_seed)
-        if self._run_seed is not None:
-            self._environment.close()
-        self._run_seed = run_seed
-        return made
+    def _variant_of(self, summary: EpisodeSummary) -> str:
+        return summary.info.variant or self._variant or "default"
+
+    def _opened(self, summary: EpisodeSummary) -> Environment:
+        """The environment that an episode was recorded in, made anew where it is another one."""
+        info = summary.info
+        if info.task != self._task.name:
+            raise StoreError(
+                f"the episode is of task {info.task!r}; wanted {self._task.name!r}, as the first"
+            )
+        variant = self._variant_of(summary)
+        # Each training run may have a scene of its own.
+        scene = variant, info.run_seed if variant in self._task.run_variants else 0
+        if self._environment is None or scene != self._scene:
+            made = self._task.make_for_run(*scene)
+            self.close()
+            self._environment, self._scene = made, scene
+        require_compatible(
+            RecordedSpec.of_task(self._environment.spec),
+            summary.spec,
+            summary.name,
+            f"variant {variant!r} of {info.task}",
+            "give the --variant that it was recorded in, or replay it with the version of the task "
+            "that recorded it",
+        )
+        # A page is laid out for the first.
+        self._alike.take(summary.name, summary.spec)
+        return self._environment
 
 
 def exported(film: Film, pictures: Pictures | None, kind: str) -> tuple[str, bytes]:

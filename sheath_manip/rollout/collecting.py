@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from sheath_manip.dataset.background import BackgroundRecorder
+from sheath_manip.dataset.compatibility import RecordedSpec
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import (
@@ -63,13 +64,16 @@ class Recording:
         store: EpisodeStore,
         listeners: Sequence[Listener],
         report: Report,
+        variant: str,
     ) -> None:
+        store.require_fits(RecordedSpec.of_task(environment.spec), "what is to be recorded")
         self.environment = environment
         self.expert = expert
         self.run_seed = run_seed
         self.store = store
         self.listeners = listeners
         self.report = report
+        self.variant = variant
         self._recorder: BackgroundRecorder | None = None
 
     def close(self) -> None:
@@ -128,13 +132,12 @@ class Recording:
     def _info(
         self, purpose: Purpose, method: str, number: int, index: int, checkpoint: str
     ) -> EpisodeInfo:
-        spec = self.environment.spec
-        return EpisodeInfo(
-            task=spec.name,
+        return EpisodeInfo.of(
+            self.environment.spec,
+            variant=self.variant,
             # Not by method: all methods meet the same scenes in the same round.
             seed=scene_seed(purpose, self.run_seed, number, index),
             purpose=purpose,
-            control_rate_hz=spec.control_rate_hz,
             method=method,
             round=number,
             index=index,

@@ -165,4 +165,4 @@ class Crowd:
 
 def _place(ticket: Ticket) -> tuple[object, ...]:
     request = ticket.errand.request
-    return request.task.name, request.variant, request.info.run_seed, request.driver
+    return request.task.name, request.info.variant, request.info.run_seed, request.driver

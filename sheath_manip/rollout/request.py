@@ -39,9 +39,8 @@ class EpisodeRequest:
     """One episode of one task, and what drives it. It can be pickled where its driver can."""
 
     task: Task
-    variant: str
-    """of the task; one of its `run_variants` is made for the run"""
     info: EpisodeInfo
+    """says which variant of the task; one of its `run_variants` is made for the run"""
     driver: Driver
 
 

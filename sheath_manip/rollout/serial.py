@@ -5,6 +5,7 @@ from types import TracebackType
 from typing import Self
 
 from sheath_manip.dataset.background import BackgroundRecorder
+from sheath_manip.dataset.compatibility import RecordedSpec
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Listener, Report
@@ -20,6 +21,7 @@ class SerialExecutor:
     def __init__(self) -> None:
         self.workplace = Workplace()
         self._recorder: BackgroundRecorder | None = None
+        self._fits: EpisodeStore | None = None
 
     def map(
         self,
@@ -65,6 +67,10 @@ class SerialExecutor:
         report: Report,
     ) -> Episode:
         info = request.info
+        if store is not None and store is not self._fits:
+            environment = self.workplace.environment(request.task, info.variant, info.run_seed)
+            store.require_fits(RecordedSpec.of_task(environment.spec), "what is to be recorded")
+            self._fits = store
         if store is not None and store.has(info):
             episode = store.read(episode_name(info))
         else:

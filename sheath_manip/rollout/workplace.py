@@ -29,7 +29,7 @@ class Workplace:
         report: Report = lambda _: None,
     ) -> Episode:
         """Run the episode."""
-        environment = self.environment(request.task, request.variant, request.info.run_seed)
+        environment = self.environment(request.task, request.info.variant, request.info.run_seed)
         if self._crew is None or self._driver != request.driver:
             self._crew = request.driver.crew(request.task, environment)
             self._driver = request.driver

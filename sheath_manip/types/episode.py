@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.types.spec import TaskSpec
 from sheath_manip.types.step import Actor, Observation, Reason, Step
 
 
@@ -44,6 +46,41 @@ class EpisodeInfo:
     """of the training run it belongs to"""
     checkpoint: str = ""
     """content hash of the policy and gate that drove it; empty where none did"""
+    variant: str = "default"
+    """of the task; empty where a recording does not say, as those of before there was this field"""
+    session: str = ""
+    """letters and digits that tell recordings by hand of one scene apart; empty where the same run
+    gives the same episode again"""
+
+    @classmethod
+    def of(
+        cls,
+        spec: TaskSpec,
+        *,
+        variant: str,
+        seed: int,
+        purpose: Purpose,
+        method: str = "",
+        round: int = 0,
+        index: int = 0,
+        run_seed: int = 0,
+        checkpoint: str = "",
+        session: str = "",
+    ) -> Self:
+        """Return the info of an episode of the task of `spec`, in the `variant` that has it."""
+        return cls(
+            task=spec.name,
+            seed=seed,
+            purpose=purpose,
+            control_rate_hz=spec.control_rate_hz,
+            method=method,
+            round=round,
+            index=index,
+            run_seed=run_seed,
+            checkpoint=checkpoint,
+            variant=variant,
+            session=session,
+        )
 
 
 @dataclass(frozen=True, eq=False)

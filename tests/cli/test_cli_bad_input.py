@@ -177,7 +177,7 @@ def test_store_of_another_task(complaint, made, tmp_path, capsys):
     assert run_command(lambda: {"moon": moon}, argv) == 0
     capsys.readouterr()
     line = complaint("train", "corridor", "--store", store, "--checkpoint", tmp_path / "c.npz")
-    assert "of task 'moon'" in line
+    assert "task 'moon' instead of 'corridor'" in line
     assert "unknown task 'moon'" in complaint("replay", store, "--port", 0)
     moon_run = ("run", "corridor", "--store", store, "--checkpoint")
     foreign = with_header(made / "first.npz", tmp_path / "moon.npz", task="moon")

@@ -75,6 +75,7 @@ def test_teleop_records_demonstrations_by_hand(sheath, at_the_page, tmp_path):
     summaries = EpisodeStore(store).infos()
     assert [s.info.purpose for s in summaries] == [Purpose.DEMONSTRATION] * 2
     assert {s.info.method for s in summaries} == {"person"}
+    assert len({s.info.session for s in summaries} - {""}) == 1
     assert set(reasons(store)) == {Reason.PERSON}
     # What is there is not asked for again.
     assert sheath(*argv)[0] == 0

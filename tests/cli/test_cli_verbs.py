@@ -157,7 +157,7 @@ def test_dashboard_knows_what_the_checkpoint_was_trained_on(sheath, complaint, m
 
 def test_nu_fits_the_support_anew(made):
     checkpoint = load_checkpoint(made / "first.npz", Corridor().spec)
-    seen = trained_on(EpisodeStore(made / "store"), checkpoint)
+    seen = trained_on(EpisodeStore(made / "store"), checkpoint, Corridor().spec)
     assert len(seen.calibration) == 3
     states = seen.states
     inside = {}

@@ -41,6 +41,8 @@ infos = st.builds(
     index=st.integers(0, 2000),
     run_seed=st.integers(0, 2**32),
     checkpoint=any_text,
+    variant=any_text,
+    session=st.from_regex(r"[0-9A-Za-z]{0,8}", fullmatch=True),
 )
 
 

@@ -195,7 +195,7 @@ DAMAGES: Mapping[str, tuple[Damage, set[FaultKind]]] = {
     "infinity labelled": (spoil_value("labelled", -np.inf), {K.NOT_FINITE}),
     "unknown code": (spoil_value("reason", 200), {K.MISMATCH}),
     "another count": (header(expert_steps=[-1, 77], queries=[99]), {K.MISMATCH}),
-    "another schema": (header(schema=[0, 2, 99, "1", *WRONG]), {K.SCHEMA}),
+    "another schema": (header(schema=[0, 3, 99, "1", *WRONG]), {K.SCHEMA}),
     "another format": (header(format=["lerobot", *WRONG]), {K.FOREIGN}),
     "foreign attributes": (foreign_attributes, {K.FOREIGN}),
     "foreign JSON": (foreign_json, {K.UNREADABLE, K.FOREIGN, K.MISMATCH}),

@@ -114,6 +114,6 @@ def test_a_place_that_cannot_be_written_is_one_line(filled, tmp_path) -> None:
 
 def test_episodes_of_other_shapes_are_refused(filled, cache) -> None:
     filled.append(episode_of("e", info=replace(INFO, index=9), side_px=6))
-    with pytest.raises(StoreError, match="wants all alike"):
+    with pytest.raises(StoreError, match="episodes that are alike"):
         mapped_samples(filled, filled.names(), cache)
     assert list(cache.iterdir()) == []

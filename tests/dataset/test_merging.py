@@ -7,11 +7,17 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.dataset.check import check
+from sheath_manip.dataset.content import content_digest
+from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.merging import Merged, merge, split
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.sessions import new_session
+from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.seeding import generator
+from sheath_manip.types import Outcome
 from tests.episodes import INFO, episode_of
 
 
@@ -50,19 +56,102 @@ def test_the_same_episode_of_two_sources_is_copied_once(tmp_path: Path) -> None:
     assert done == Merged(1, 1)
 
 
-@pytest.mark.parametrize("where", ["source", "target"])
-def test_two_episodes_of_one_name_stop_it_before_anything_is_copied(tmp_path, where) -> None:
-    one, other = filled(tmp_path / "a", [0, 1]), filled(tmp_path / "b", [1], actors="pep")
-    target = other if where == "target" else EpisodeStore.create(tmp_path / "c")
-    before = contents(target)
-    with pytest.raises(StoreError, match=r"hold different episodes .* both are kept"):
-        merge([one, other], target)
-    assert contents(target) == before
+SPACE = Space(("x_m",), ("push_n",), (-1.0,), (1.0,), None)
+
+
+class TestByHand:
+    """Recordings of the same scenes, made twice: none of them may be lost."""
+
+    def recorded(self, path: Path, session: str, actors: str) -> EpisodeStore:
+        store = EpisodeStore.create(path)
+        for index in (0, 1):
+            info = replace(INFO, method="person", index=index, session=session)
+            store.append(episode_of(actors, info=info), SPACE)
+        return store
+
+    def test_sessions_of_two_days_unite(self, tmp_path: Path) -> None:
+        monday = self.recorded(tmp_path / "monday", new_session(), "eee")
+        friday = self.recorded(tmp_path / "friday", new_session(), "ee")
+        target = EpisodeStore.create(tmp_path / "all")
+        assert merge([monday, friday], target) == Merged(4, 0)
+        assert contents(target) == contents(monday) | contents(friday)
+        assert sorted(len(target.read(name)) for name in target.names()) == [2, 2, 3, 3]
+        assert check(target) == []
+
+    def test_old_sessions_without_a_name_unite_too(self, tmp_path: Path) -> None:
+        monday = self.recorded(tmp_path / "monday", "", "eee")
+        friday = self.recorded(tmp_path / "friday", "", "ee")
+        friday.mark(friday.names()[0], Marks(Outcome.FAILURE))
+        assert monday.names() == friday.names()
+        target = EpisodeStore.create(tmp_path / "all")
+        done = merge([monday, friday], target)
+        assert (done.copied, done.held, len(done.renamed)) == (4, 0, 2)
+        assert sorted(len(target.read(name)) for name in target.names()) == [2, 2, 3, 3]
+        # Only the header of what has another name is another, and marks go with it.
+        there = contents(target)
+        assert {name for name, content in contents(monday).items() if there[name] != content} == (
+            set()
+        )
+        for old, new in zip(friday.names(), done.renamed, strict=True):
+            files = friday.files(old)
+            differing = {f for f in files if friday.content(old, f) != target.content(new, f)}
+            assert differing == {"zarr.json"}
+            assert target.marks(new) == friday.marks(old)
+            assert target.header(new).recorded_utc == friday.header(old).recorded_utc
+        assert check(target) == []
+
+    def test_it_is_done_once_in_whatever_order(self, tmp_path: Path) -> None:
+        monday = self.recorded(tmp_path / "monday", "", "eee")
+        friday = self.recorded(tmp_path / "friday", "", "ee")
+        one, other = (EpisodeStore.create(tmp_path / name) for name in ("one", "other"))
+        merge([monday, friday], one)
+        merge([friday, monday], other)
+        for source in (monday, friday):
+            assert merge([source], one) == Merged(0, 2)
+        assert merge([one], other) == Merged(0, 4)
+
+    def test_one_of_the_target_stays(self, tmp_path: Path) -> None:
+        target = self.recorded(tmp_path / "monday", "", "eee")
+        before = contents(target)
+        done = merge([self.recorded(tmp_path / "friday", "", "ee")], target)
+        assert contents(target).items() >= before.items()
+        assert len(target.names()) == 4
+        assert set(done.renamed) == set(target.names()) - {name.split("/")[0] for name in before}
+
+
+def test_equal_content_is_the_same_whenever_it_was_written(tmp_path: Path) -> None:
+    first, second = filled(tmp_path / "a", [0]), EpisodeStore.create(tmp_path / "b")
+    (name,) = first.names()
+    recorded = first.recorded(name)
+    header = replace(recorded.header, recorded_utc="2020-01-01T00:00:00+00:00", space=SPACE)
+    second.adopt(Recorded(header, recorded.arrays))
+    assert contents(first) != contents(second)
+    assert content_digest(first, name) == content_digest(second, name)
+    target = EpisodeStore.create(tmp_path / "c")
+    assert merge([first, second], target) == Merged(1, 1)
+
+
+def test_variants_of_one_task_are_named(tmp_path: Path) -> None:
+    store = EpisodeStore.create(tmp_path / "a")
+    for index, variant in enumerate(("default", "windy", "windy")):
+        info = replace(INFO, index=index, variant=variant)
+        store.append(episode_of("pe", info=info), SPACE)
+    done = merge([store], EpisodeStore.create(tmp_path / "b"))
+    assert done.remarks == ("episodes of several variants: 1 of 'default', 2 of 'windy'",)
+
+
+def test_what_differs_is_refused_before_anything_is_copied(tmp_path: Path) -> None:
+    store, other = filled(tmp_path / "a", [0, 1]), EpisodeStore.create(tmp_path / "b")
+    other.append(episode_of("pe", info=replace(INFO, index=2, control_rate_hz=24.0)))
+    target = EpisodeStore.create(tmp_path / "c")
+    with pytest.raises(StoreError, match=r"control rate 24 Hz instead of 10 Hz: .*nothing was"):
+        merge([store, other], target)
+    assert target.names() == []
 
 
 def test_one_store_holds_one_task(tmp_path: Path) -> None:
     target = filled(tmp_path / "c", [3])
-    with pytest.raises(StoreError, match="of task 'moon', others are of 'toy'"):
+    with pytest.raises(StoreError, match="task 'moon' instead of 'toy'"):
         merge([filled(tmp_path / "a", [0], task="moon")], target)
     assert len(target.names()) == 1
 

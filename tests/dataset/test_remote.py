@@ -89,13 +89,22 @@ def test_what_is_there_is_not_pushed_again(pushed, store, monkeypatch) -> None:
     assert merge([store], pushed) == Merged(0, 1)
 
 
-def test_another_episode_of_that_name_is_refused(pushed, store, name, tmp_path: Path) -> None:
+def test_another_episode_of_that_name_gets_a_new_one(pushed, store, name, tmp_path: Path) -> None:
     other = EpisodeStore.create(tmp_path / "other")
     episode = store.read(name)
-    other.append(replace(episode, steps=episode.steps[:9]))
-    with pytest.raises(StoreError, match=f"hold different episodes {name}; both are kept"):
-        merge([other], pushed)
+    short = replace(episode, steps=episode.steps[:9])
+    other.append(short)
+    done = merge([other], pushed)
+    (new,) = done.renamed
+    assert pushed.names() == [name, new]
     assert identical(pushed.read(name), episode)
+    info = pushed.header(new).info
+    assert identical(pushed.read(new), replace(short, info=info))
+    assert replace(info, session="") == episode.info
+    assert check(pushed) == []
+    # Again, and from there: all of it is known.
+    assert merge([other], pushed) == Merged(0, 1)
+    assert merge([pushed], other) == Merged(1, 1, tuple(other.names()[1:]))
 
 
 def test_the_manifest_is_written_last(store, name, url, monkeypatch) -> None:

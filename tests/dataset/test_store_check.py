@@ -80,7 +80,11 @@ FAULTS = {
     "odd camera": (change_attribute("cameras", {"../x": [5, 5]}), FaultKind.UNREADABLE, "plain"),
     "unknown code": (change_attribute("actors", ["policy"]), FaultKind.MISMATCH, "code 1"),
     "other name": (change_attribute("index", 5), FaultKind.MISMATCH, "holds the episode learning"),
-    "newer schema": (change_attribute("schema", 2), FaultKind.SCHEMA, "wanted schema 1, found 2"),
+    "newer schema": (
+        change_attribute("schema", 3),
+        FaultKind.SCHEMA,
+        "1 or 2, found 3",
+    ),
     "foreign group": (change_attribute("format", "x"), FaultKind.FOREIGN, "found another"),
     "truncated header": (truncate_header, FaultKind.UNREADABLE, "zarr.json does not decode"),
     "empty directory": (empty, FaultKind.FOREIGN, "found no zarr.json"),

@@ -4,14 +4,16 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import run_command
+from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.exceptions import ParameterError, StoreError, UnknownNameError
 from sheath_manip.playback.film import film_of
 from sheath_manip.playback.making import FilmMaker, exported
 from sheath_manip.playback.page import html
@@ -62,10 +64,24 @@ def same(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
     )
 
 
-def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path) -> None:
+def shelved(path: Path, *episodes: Episode) -> Shelf:
+    store = EpisodeStore.create(path)
+    for episode in episodes:
+        store.append(episode)
+    return Shelf(store)
+
+
+def of_variant(episode: Episode, variant: str) -> Episode:
+    return replace(episode, info=replace(episode.info, variant=variant))
+
+
+# Old recordings do not say their variant, so that the person must.
+@pytest.mark.parametrize(("told", "asked"), [("stage", None), ("", "stage")])
+def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path, told, asked) -> None:
     shown = {seed: recorded(seed) for seed in (4, 5)}
-    episodes = [episode for episode, _ in shown.values()]
-    maker = FilmMaker(PLATFORMER, "stage", episodes.__getitem__)
+    episodes = [of_variant(episode, told) for episode, _ in shown.values()]
+    shelf = shelved(tmp_path / "store", *episodes)
+    maker = FilmMaker(PLATFORMER, asked, shelf.read, shelf.summary)
     for place, (episode, scene) in enumerate(shown.values()):
         film = maker.film(place)
         assert same(film.scene, scene)
@@ -77,19 +93,36 @@ def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path) -> None:
     assert not same(shown[4][1], shown[5][1])
     maker.close()
 
-    store = EpisodeStore.create(tmp_path / "store")
-    for episode in episodes:
-        store.append(episode)
-    argv = ["replay", store.path, "--variant", "stage", "--once", "--speed", "100", "--port", "0"]
+    replay = ["replay", tmp_path / "store", *(["--variant", asked] if asked else [])]
+    argv = [*replay, "--once", "--speed", "100", "--port", "0"]
     assert run_command(lambda: {"platformer": PLATFORMER}, [str(word) for word in argv]) == 0
-    argv = ["replay", store.path, "--variant", "stage", "--export", tmp_path / "episode.html"]
+    argv = [*replay, "--export", tmp_path / "episode.html"]
     assert run_command(lambda: {"platformer": PLATFORMER}, [str(word) for word in argv]) == 0
     assert (tmp_path / "episode.html").stat().st_size < 500_000
 
 
-def test_an_episode_of_another_task_is_refused() -> None:
-    maker = FilmMaker(PLATFORMER, "default", lambda _: episode_of("pe"))
+def test_an_episode_of_another_task_is_refused(tmp_path) -> None:
+    shelf = shelved(tmp_path, episode_of("pe"))
+    maker = FilmMaker(PLATFORMER, None, shelf.read, shelf.summary)
     with pytest.raises(StoreError, match="is of task 'toy'"):
+        maker.film(0)
+    maker.close()
+
+
+def test_an_episode_that_does_not_fit_its_variant_is_refused(tmp_path) -> None:
+    episode, _ = recorded(4)
+    info = replace(episode.info, control_rate_hz=12.0, variant="stage")
+    shelf = shelved(tmp_path, replace(episode, info=info))
+    maker = FilmMaker(PLATFORMER, None, shelf.read, shelf.summary)
+    with pytest.raises(StoreError, match=r"fit variant 'stage' .*12 Hz instead of 24 Hz"):
+        maker.film(0)
+    maker.close()
+
+
+def test_a_variant_that_is_no_longer_there_is_named(tmp_path) -> None:
+    shelf = shelved(tmp_path, of_variant(recorded(4)[0], "moon"))
+    maker = FilmMaker(PLATFORMER, None, shelf.read, shelf.summary)
+    with pytest.raises(UnknownNameError, match="moon"):
         maker.film(0)
     maker.close()
 

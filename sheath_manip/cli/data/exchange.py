@@ -52,6 +52,8 @@ class ExportStore:
         with session.progress("exporting", len(reader.names())) as report:
             done = export(reader, self.out, self.format, selection, report)
         session.out.print(Text(f"{self.out}: {done.episodes} episodes, {done.steps} steps"))
+        for remark in done.remarks:
+            session.out.print(Text(remark))
         return 0
 
 
@@ -110,5 +112,7 @@ class ImportStore:
             purpose=Purpose.DEMONSTRATION,
             control_rate_hz=self.control_rate_hz,
             method=self.method or self.file.name.partition(".")[0],
+            # Another tool knows none.
+            variant="",
         )
         return Origin(info, self.outcome, keys)

@@ -16,7 +16,9 @@ from sheath_manip.exceptions import ParameterError
 class MergeStores:
     """Copy the episodes of stores into one; so also push to a URL, or pull from it.
 
-    All stay where they are. Nothing is copied where two episodes of one name differ.
+    All stay where they are. What is there with the same content is not copied again, and where
+    another episode has the name, as of two recordings by hand, one gets a new one. Nothing is
+    copied where control rates, cameras, features or actions differ.
     """
 
     stores: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="STORE...")]
@@ -38,6 +40,10 @@ class MergeStores:
             done = merge(sources, target, report)
         line = f"{done.copied} episodes copied into {self.into}, {done.held} were there before"
         session.out.print(Text(line))
+        for name in done.renamed:
+            session.out.print(Text(f"another episode had its name: now {name}"))
+        for remark in done.remarks:
+            session.out.print(Text(remark))
         return 0
 
 

@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from sheath_manip.dataset.compatibility import RecordedSpec, remarks
 from sheath_manip.dataset.durable import publish, publish_file
 from sheath_manip.dataset.exchange.formats import ExportFormat
 from sheath_manip.dataset.exchange.selection import Selection, selected
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
@@ -21,6 +23,8 @@ class Exported:
 
     episodes: int
     steps: int
+    remarks: tuple[str, ...] = ()
+    """what must be told of episodes that may lie together all the same"""
 
 
 def export(
@@ -33,16 +37,16 @@ def export(
     """Write what `selection` takes of `reader` to `target`, where nothing may be yet.
 
     `report` is told the outcome of each episode. Raises StoreError where `target` exists or cannot
-    be written, where an episode is damaged, and where nothing is selected; then nothing is there.
+    be written, where an episode is damaged or does not fit the others, and where nothing is
+    selected; then nothing is there.
     """
     if target.exists():
         raise StoreError(f"{target} exists, and it is kept; give a path where nothing is")
-    write, counts = format.writer(), [0, 0]
+    write, headers = format.writer(), list[Header]()
 
     def counted(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
         for recorded in episodes:
-            counts[0] += 1
-            counts[1] += recorded.header.length
+            headers.append(recorded.header)
             yield recorded
             report(recorded.header.outcome)
 
@@ -55,4 +59,6 @@ def export(
         raise StoreError(f"cannot write {target} ({error})") from error
     finally:
         shutil.rmtree(aside, ignore_errors=True)
-    return Exported(*counts)
+    steps = sum(header.length for header in headers)
+    told = remarks((header.info.variant, RecordedSpec.of(header)) for header in headers)
+    return Exported(len(headers), steps, told)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from sheath_manip.dataset.compatibility import Alike, RecordedSpec
 from sheath_manip.dataset.exchange.formats import ForeignFile
 from sheath_manip.dataset.exchange.key_map import KeyMap, interpret, numbered
 from sheath_manip.dataset.layout import layout
@@ -42,12 +43,16 @@ def import_episodes(
     """Append the episodes of `file` to `store`, but for those that it holds.
 
     What this project exported comes back as it was, whatever `origin` says. An import that was cut
-    off can be run again. Raises StoreError where the file is damaged, where a key is missing, and
-    where the store holds another episode of the same name; ParameterError where another tool wrote
-    the file and there is no `origin`.
+    off can be run again. Raises StoreError where the file is damaged, where a key is missing, where
+    an episode does not fit those of the store, and where that holds another episode of the same
+    name; ParameterError where another tool wrote the file and there is no `origin`.
     """
     added = held = 0
+    alike, example = Alike("import it into a store of its own"), store.example()
+    if example is not None:
+        alike.take(*example)
     for recorded in _recorded(file, origin):
+        alike.take(episode_name(recorded.header.info), RecordedSpec.of(recorded.header))
         if store.has(recorded.header.info):
             _require_same(store, recorded)
             held += 1

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
+from sheath_manip.dataset.exchange.uniform import compatible
 from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.header import from_attributes, to_attributes
 from sheath_manip.dataset.layout import layout
@@ -44,7 +45,7 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
     """Write `episodes` into the HDF5 file `target`."""
     with h5py.File(target, "w") as file:
         data, steps, successes = file.create_group("data"), 0, []
-        for number, recorded in enumerate(episodes):
+        for number, recorded in enumerate(compatible(episodes)):
             header = recorded.header
             demo = data.create_group(f"demo_{number}")
             _write_arrays(demo, recorded)

@@ -1,40 +1,32 @@
-"""Formats that hold all episodes in the same arrays want them alike."""
+"""What is written into one file must fit each other, and formats of joined arrays want more."""
 
 from collections.abc import Iterable, Iterator
 
-from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.compatibility import Alike, RecordedSpec
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
 
+REMEDY = "a file holds episodes that are alike; select some, or `sheath data split` the store"
 
-def uniform(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
-    """The same episodes; raises StoreError at the first of another task, rate or shape."""
-    first: Header | None = None
+
+def compatible(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
+    """The same episodes; raises StoreError at the first that does not fit those before."""
+    alike = Alike(REMEDY)
     for recorded in episodes:
-        header = recorded.header
-        first = first or header
-        for what, wanted, found in zip(
-            ("task", "control rate", "cameras", "features", "state", "actions"),
-            _shape(first),
-            _shape(header),
-            strict=True,
-        ):
-            if wanted != found:
-                raise StoreError(
-                    f"{episode_name(header.info)} has the {what} {found!r}, "
-                    f"{episode_name(first.info)} {wanted!r}; this format wants all alike: "
-                    "select some, or `sheath data split` the store"
-                )
+        alike.take(episode_name(recorded.header.info), RecordedSpec.of(recorded.header))
         yield recorded
 
 
-def _shape(header: Header) -> tuple[object, ...]:
-    return (
-        header.info.task,
-        header.info.control_rate_hz,
-        dict(header.cameras),
-        header.feature_size,
-        header.state_size,
-        header.action_size,
-    )
+def uniform(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
+    """As `compatible`; raises StoreError also for simulator states of another size."""
+    size = None
+    for recorded in compatible(episodes):
+        header = recorded.header
+        size = header.state_size if size is None else size
+        if header.state_size != size:
+            raise StoreError(
+                f"{episode_name(header.info)} has a simulator state of {header.state_size} "
+                f"numbers, the first episode of {size}; {REMEDY}"
+            )
+        yield recorded

@@ -12,14 +12,17 @@ from sheath_manip.types import Episode
 
 
 def pictures_of(task: Task, variant: str) -> Pictures:
-    """The entry's `picture` of episodes on `variant`, or the recorded images where it has none."""
+    """The entry's `picture` of episodes, or the recorded images where it has none.
+
+    `variant` is that of old episodes, which do not say theirs.
+    """
     picture = task.picture
     if picture is None:
         return recorded
 
     def pictures(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
         # Each training run may have a scene of its own.
-        environment = task.make_for_run(variant, episode.info.run_seed)
+        environment = task.make_for_run(episode.info.variant or variant, episode.info.run_seed)
         try:
             return replayed(environment, picture, episode, indices)
         finally:

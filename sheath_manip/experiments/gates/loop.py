@@ -110,12 +110,13 @@ def run_loop(setting: Setting, row: str, size: Size, report: Report) -> Loop:
 def _requests(setting: Setting, row: str, number: int, size: Size) -> list[EpisodeRequest]:
     """Episodes on the scenes that all gates and thresholds meet."""
     spec, driver = _spec(setting), GateOfRow(setting, row, number)
+    variant = setting.learning.schedule.variant
     infos = [
-        EpisodeInfo(
-            task=setting.task.name,
+        EpisodeInfo.of(
+            spec,
+            variant=variant,
             seed=scene_seed(Purpose.LEARNING, "gates", setting.seed, index),
             purpose=Purpose.LEARNING,
-            control_rate_hz=spec.control_rate_hz,
             method=row,
             round=number,
             index=index,
@@ -123,8 +124,7 @@ def _requests(setting: Setting, row: str, number: int, size: Size) -> list[Episo
         )
         for index in range(size.episodes)
     ]
-    variant = setting.learning.schedule.variant
-    return [EpisodeRequest(setting.task, variant, info, driver) for info in infos]
+    return [EpisodeRequest(setting.task, info, driver) for info in infos]
 
 
 def _learned(

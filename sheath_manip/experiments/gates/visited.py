@@ -27,6 +27,7 @@ from sheath_manip.types import (
     Proposal,
     Purpose,
     Reason,
+    TaskSpec,
 )
 from sheath_manip.types.samples import Samples, samples_from
 
@@ -79,11 +80,11 @@ class JudgedPolicy:
 
 def record_visits(setting: Setting, report: Report) -> None:
     """Let the policy drive alone on the held-out scenes that it has not driven on yet."""
-    variant, driver = setting.learning.schedule.variant, JudgedPolicy(setting)
+    driver = JudgedPolicy(setting)
     environment = setting.environment()
     environment.close()
-    infos = _infos(setting, environment.spec.control_rate_hz)
-    requests = [EpisodeRequest(setting.task, variant, info, driver) for info in infos]
+    infos = _infos(setting, environment.spec)
+    requests = [EpisodeRequest(setting.task, info, driver) for info in infos]
     with SerialExecutor() as executor:
         for _ in executor.map(requests, setting.store(), report=report):
             pass
@@ -113,14 +114,15 @@ def _visit(episode: Episode, costly_regret: float, action: ActionSpec) -> Visit:
     )
 
 
-def _infos(setting: Setting, control_rate_hz: float) -> list[EpisodeInfo]:
+def _infos(setting: Setting, spec: TaskSpec) -> list[EpisodeInfo]:
+    variant = setting.learning.schedule.variant
     checkpoint = digest(setting.cloned_path())
     return [
-        EpisodeInfo(
-            task=setting.task.name,
+        EpisodeInfo.of(
+            spec,
+            variant=variant,
             seed=seed,
             purpose=Purpose.EVALUATION,
-            control_rate_hz=control_rate_hz,
             method=POLICY,
             index=index,
             run_seed=setting.seed,

@@ -57,7 +57,7 @@ def test_a_damaged_episode_leaves_nothing(two, tmp_path: Path, form, target) -> 
 @pytest.mark.parametrize("form", ["replay-buffer", "minari"])
 def test_episodes_of_other_shapes_are_refused(two, tmp_path: Path, form) -> None:
     two.append(episode_of("p", info=replace(INFO, index=2), side_px=5))
-    with pytest.raises(SheathError, match="wants all alike"):
+    with pytest.raises(SheathError, match="top 5x5 instead of top 4x4: a file"):
         export(two, tmp_path / "out", ExportFormat(form), Selection())
     assert not (tmp_path / "out").exists()
 

@@ -1,0 +1,62 @@
+"""One episode of a store under the name of another session, its arrays untouched."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.faults import Fault
+from sheath_manip.dataset.header import GROUP_FILE, Header, to_attributes
+from sheath_manip.dataset.layout import ArraySpec
+from sheath_manip.dataset.marks import Marks
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.reader import EpisodeReader
+from sheath_manip.dataset.zarr_files import group_files
+
+
+class OfSession(EpisodeReader):
+    """The episode `inner` of `reader` as one of `session`: the only one of this place.
+
+    Only the file of its header differs from what `reader` has. Raises StoreError where that header
+    cannot be read.
+    """
+
+    def __init__(self, reader: EpisodeReader, inner: str, session: str) -> None:
+        self._reader = reader
+        self._inner = inner
+        header = reader.header(inner)
+        self._header = replace(header, info=replace(header.info, session=session))
+        self._content = group_files(to_attributes(self._header))[GROUP_FILE]
+
+    @property
+    def address(self) -> str:
+        """The place that it is read from."""
+        return self._reader.address
+
+    def names(self) -> list[str]:
+        """The name that it has as one of the session."""
+        return [episode_name(self._header.info)]
+
+    def header(self, name: str) -> Header:  # noqa: ARG002
+        """Its header, with the session."""
+        return self._header
+
+    def array(self, name: str, spec: ArraySpec) -> NDArray:  # noqa: ARG002
+        """One of its arrays; raises StoreError where it is damaged."""
+        return self._reader.array(self._inner, spec)
+
+    def files(self, name: str) -> Mapping[str, int]:  # noqa: ARG002
+        """The size in bytes of each of its files."""
+        return {**self._reader.files(self._inner), GROUP_FILE: len(self._content)}
+
+    def content(self, name: str, file: str) -> bytes:  # noqa: ARG002
+        """What is in one of its files."""
+        return self._content if file == GROUP_FILE else self._reader.content(self._inner, file)
+
+    def entry_faults(self) -> list[Fault]:
+        """Nothing else is here."""
+        return []
+
+    def marks(self, name: str) -> Marks:  # noqa: ARG002
+        """What a person said of it."""
+        return self._reader.marks(self._inner)
