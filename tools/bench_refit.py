@@ -118,7 +118,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for task, goal in GOALS.items():
         line = refits(options.before.resolve(), task, goal, sizes)
         found[f"refit of {task}"] = line
-        print(f"refit of {task:16} {line.value:6.3g} {line.unit} {line.goal} {line.how}", flush=True)
+        print(
+            f"refit of {task:16} {line.value:6.3g} {line.unit} {line.goal} {line.how}", flush=True
+        )
     options.results.mkdir(parents=True, exist_ok=True)
     text = json.dumps({title: asdict(line) for title, line in found.items()}, indent=2)
     (options.results / "bench-refit.json").write_text(text + "\n")
