@@ -16,7 +16,16 @@ from sheath_manip.dataset.naming import episode_name, is_session
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
 from sheath_manip.json_files import strict_float
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+from sheath_manip.types import (
+    ACTORS,
+    REASONS,
+    Actor,
+    Episode,
+    EpisodeInfo,
+    Outcome,
+    Purpose,
+    Reason,
+)
 
 FORMAT = "sheath-episode"
 GROUP_FILE = "zarr.json"
@@ -104,10 +113,10 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         truncated=bool(episode.truncated),
         outcome=Outcome(episode.outcome),
         metrics={name: float(value) for name, value in episode.metrics.items()},
-        expert_steps=sum(step.decision.actor.in_place_of_policy for step in episode.steps),
-        queries=sum(bool(step.decision.query) for step in episode.steps),
-        actors=tuple(Actor),
-        reasons=tuple(Reason),
+        expert_steps=int(episode.columns.in_place_of_policy.sum()),
+        queries=int(episode.columns.query.sum()),
+        actors=ACTORS,
+        reasons=REASONS,
         limits=tuple(sorted({each.limit for step in episode.steps for each in step.limited})),
         versions={name: _version(name) for name in _PACKAGES},
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
