@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
-from sheath_manip.dataset.header import Header, header_of
+from sheath_manip.dataset.header import Header, columns_of, header_of
 from sheath_manip.dataset.layout import Arrays, layout
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Recorded
@@ -61,7 +61,7 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
             )
     final = episode.final_observation
     try:
-        columns = episode.columns
+        columns = columns_of(episode)
         arrays: Arrays = {
             **{f"images/{camera}": episode.images(camera) for camera in header.cameras},
             **{column: getattr(columns, column) for column in COLUMNS},
