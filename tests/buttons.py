@@ -4,8 +4,9 @@ from functools import cache, partial
 
 import numpy as np
 
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Action, ActionSpec, Observation, TaskSpec, Transition
 from sheath_manip.types.samples import Samples
 from tests.toy import CHOICES as SIDESTEPS
@@ -77,14 +78,14 @@ PLAN = LearningPlan().changed(
         "episodes": 2,
     },
 )
-BUTTONS = TaskEntry(
+BUTTONS = Task(
     name="buttons",
     summary="keep to the middle of a windy corridor, by two buttons",
     variants={"default": ButtonCorridor, "final": partial(ButtonCorridor, steps=24)},
     run_variants={"stage": make_stage},
     expert=ButtonKeeper,
-    plans={"full": PLAN, "quick": PLAN},
 )
+STUDY = Study(BUTTONS, plans={"full": PLAN, "quick": PLAN})
 
 
 def button_samples(count: int, seed: int, choices: tuple[int, ...] = (0, 1, 2)) -> Samples:

@@ -29,7 +29,7 @@ from sheath_manip.cli.adjusting import adjusted
 from sheath_manip.cli.episodes import opened, run_all
 from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
-from sheath_manip.cli.session import Session
+from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending, Turn
 from sheath_manip.dashboard import Dashboard, Replay
@@ -44,8 +44,8 @@ from sheath_manip.protocols import Environment
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import generator, scene_seed
-from sheath_manip.task import TaskEntry
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.task import Task
+from sheath_manip.tasks.table import STUDIES, TASKS
 from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from sheath_manip.types.samples import Samples
@@ -104,18 +104,22 @@ class Pose:
 class Subject:
     """What is photographed."""
 
-    task: TaskEntry
+    task: Task
     checkpoint: Checkpoint | None
     """None: the expert alone"""
     store: Path | None
     """of the episodes that the checkpoint was fitted to"""
 
 
-def trained(task: TaskEntry, folder: Path) -> Subject:
+def trained(task: Task, folder: Path) -> Subject:
     """A policy and its gate from a few demonstrations."""
-    plan = task.plans["quick"].changed(
-        schedule={"false_alarm_episodes": 1},
-        comparison={"evaluation_episodes": 1, "final_episodes": 1},
+    plan = (
+        STUDIES[task.name]
+        .plan("quick")
+        .changed(
+            schedule={"false_alarm_episodes": 1},
+            comparison={"evaluation_episodes": 1, "final_episodes": 1},
+        )
     )
     store = EpisodeStore.create(folder / "training")
     learning = LearningRun(task, plan, 0, folder, store)
@@ -126,7 +130,7 @@ def trained(task: TaskEntry, folder: Path) -> Subject:
 
 
 def subject_of(
-    task: TaskEntry, options: argparse.Namespace, environment: Environment, folder: Path
+    task: Task, options: argparse.Namespace, environment: Environment, folder: Path
 ) -> Subject:
     """Read, trained, or the expert."""
     if options.expert:
@@ -156,7 +160,7 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
 
 
 def info_of(
-    task: TaskEntry, environment: Environment, method: str, round: int, index: int
+    task: Task, environment: Environment, method: str, round: int, index: int
 ) -> EpisodeInfo:
     """Of an episode in a scene that no experiment has."""
     return EpisodeInfo(
@@ -170,7 +174,7 @@ def info_of(
     )
 
 
-def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> Subject:
+def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
     """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
     pose = Pose(with_policy=not options.expert)
     shown: Future[Dashboard] = Future()
@@ -231,12 +235,12 @@ def live(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path)
 def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
     """The page of a run whose expert is a person: as the robot asks, and as a person drives."""
     task, checkpoint = subject.task, subject.checkpoint
-    if task.hands is None or checkpoint is None:
+    if task.teleop is None or checkpoint is None:
         return
     operating = Operating(wait_s=60.0)
     shown: Future[Cockpit] = Future()
     addresses: list[str] = []
-    session = Session(lambda: {}, "", *(Console(file=io.StringIO()) for _ in range(2)))
+    session = Session(lambda: Catalog({}, {}), "", *(Console(file=io.StringIO()) for _ in range(2)))
     adjusting = adjusted(checkpoint, subject.store)
 
     def drive() -> None:
@@ -293,7 +297,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
         run.result()
 
 
-def recorded(page: Page, task: TaskEntry, options: argparse.Namespace, folder: Path) -> None:
+def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
     shelf = Shelf(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()

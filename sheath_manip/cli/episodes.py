@@ -22,12 +22,12 @@ from sheath_manip.metrics import (
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
 from sheath_manip.rollout.discarding import until_kept
 from sheath_manip.rollout.loop import rollout
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import EpisodeInfo
 
 
 @contextmanager
-def opened(task: TaskEntry, variant: str, run_seed: int = 0) -> Iterator[Environment]:
+def opened(task: Task, variant: str, run_seed: int = 0) -> Iterator[Environment]:
     """An environment of the task, closed at the end; of a run's own scene that of `run_seed`."""
     environment = task.make_for_run(variant, run_seed)
     try:

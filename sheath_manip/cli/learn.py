@@ -11,14 +11,14 @@ from rich.text import Text
 
 from sheath_manip.cli.operated import PERSON, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
-from sheath_manip.cli.planned import Planned, asked_policy, plan_named
+from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.protocols import Gate, Listener
-from sheath_manip.task import SCRIPTED, TaskEntry
+from sheath_manip.task import SCRIPTED, Task
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ class Learn(Planned):
             return self._run(task, session, listeners, None)
 
     @contextmanager
-    def _page(self, task: TaskEntry, session: Session) -> Iterator[Sequence[Listener]]:
+    def _page(self, task: Task, session: Session) -> Iterator[Sequence[Listener]]:
         if not self.dashboard:
             yield ()
             return
@@ -96,12 +96,12 @@ class Learn(Planned):
 
     def _run(
         self,
-        task: TaskEntry,
+        task: Task,
         session: Session,
         listeners: Sequence[Listener],
         supervised: Callable[[Gate], Gate] | None,
     ) -> int:
-        offered = plan_named(task, self.plan)
+        offered = session.study(self.task).plan(self.plan)
         comparison = replace(
             offered.comparison,
             methods=(self.method,),

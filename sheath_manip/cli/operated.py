@@ -14,7 +14,7 @@ from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Expert, Gate, Listener
 from sheath_manip.rollout.pacing import Pacing
-from sheath_manip.task import SCRIPTED, TaskEntry
+from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Operating:
     @contextmanager
     def crew(
         self,
-        task: TaskEntry,
+        task: Task,
         address: Address,
         session: Session,
         gate: "tuple[Maker, ...]" = (),
@@ -61,12 +61,12 @@ class Operating:
 
         `gate` are the sliders of an adjustable gate.
         """
-        if task.hands is None:
-            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with hands")
+        if task.teleop is None:
+            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with teleop")
         if not self.wait_s >= 0:
             raise ParameterError(f"wait_s is {self.wait_s}; wanted at least 0, such as {WAIT_S:g}")
         probe = task.make()
-        spec, hands = probe.spec, task.hands(probe)
+        spec, hands = probe.spec, task.teleop(probe)
         task.make_expert(probe, self.fallback)
         probe.close()
         stand_in = "scripted expert" if self.fallback == SCRIPTED else f"stand-in “{self.fallback}”"
@@ -86,7 +86,7 @@ class Operating:
 class Crew:
     """Who may act in a run that a person operates."""
 
-    task: TaskEntry
+    task: Task
     operating: Operating
     spec: TaskSpec
     cockpit: Cockpit
@@ -99,7 +99,7 @@ class Crew:
         """The page."""
         return self.listeners[0]  # pyright: ignore[reportReturnType]
 
-    def operated(self) -> TaskEntry:
+    def operated(self) -> Task:
         """The task, with episodes that a person may end and an expert that may be a person."""
         task = self.task
         return replace(
@@ -118,13 +118,13 @@ class Crew:
         """The person, and who acts in its place."""
         assert isinstance(environment, OperatedEnvironment)
         inner, task = environment.environment, self.task
-        assert task.hands is not None
+        assert task.teleop is not None
         scripted = task.expert(inner)
         fallback = self.operating.fallback
         acting = scripted if fallback == SCRIPTED else task.make_expert(inner, fallback)
         hold = task.make_expert(inner, HOLD) if self.can_hold else acting
         stand_ins = {Turn.POLICY: scripted, Turn.FALLBACK: acting, Turn.HOLD: hold}
-        return OperatedExpert(self.cockpit, task.hands(inner), stand_ins)
+        return OperatedExpert(self.cockpit, task.teleop(inner), stand_ins)
 
     def gate(self, gate: Gate) -> PersonGate:
         """`gate`, whose expert is the person."""
@@ -141,4 +141,4 @@ class Crew:
     @property
     def can_hold(self) -> bool:
         """Whether the robot can stay where it is."""
-        return HOLD in self.task.stand_ins
+        return HOLD in self.task.fallbacks

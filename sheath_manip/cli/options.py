@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from sheath_manip.cli.session import Session
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def spec_of(task: TaskEntry) -> TaskSpec:
+def spec_of(task: Task) -> TaskSpec:
     """What the page must know before there is a run."""
     environment = task.make()
     environment.close()

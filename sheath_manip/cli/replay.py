@@ -11,7 +11,7 @@ from rich.text import Text
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 if TYPE_CHECKING:
     from sheath_manip.dashboard.shelf import Shelf
@@ -63,7 +63,7 @@ class Replay:
         return 0
 
     @contextmanager
-    def _maker(self, task: TaskEntry, shelf: "Shelf") -> Iterator["FilmMaker"]:
+    def _maker(self, task: Task, shelf: "Shelf") -> Iterator["FilmMaker"]:
         from sheath_manip.playback.making import FilmMaker
 
         maker = FilmMaker(task, self.variant, shelf.read)

@@ -11,7 +11,7 @@ from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment, Gate, Listener
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import SCRIPTED, TaskEntry
+from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Run:
             with self.address.listeners(self.dashboard, environment.spec, session) as listeners:
                 return self._run(task, session, environment, checkpoint, gate, listeners)
 
-    def _with_a_person(self, task: TaskEntry, session: Session) -> int:
+    def _with_a_person(self, task: Task, session: Session) -> int:
         if self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
         from sheath_manip.cli.adjusting import adjusted
@@ -90,7 +90,7 @@ class Run:
 
     def _run(
         self,
-        task: TaskEntry,
+        task: Task,
         session: Session,
         environment: Environment,
         checkpoint: "Checkpoint",

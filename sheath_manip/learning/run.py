@@ -34,7 +34,7 @@ from sheath_manip.protocols import Environment, Expert, Gate, Listener, Report
 from sheath_manip.rollout.action_noise import DisturbedExpert
 from sheath_manip.rollout.collecting import AskedOnce, Recording
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Episode, Purpose
 from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
 
@@ -62,7 +62,7 @@ class LearningRun:
 
     def __init__(
         self,
-        task: TaskEntry,
+        task: Task,
         plan: LearningPlan,
         run_seed: int,
         directory: Path,

@@ -12,7 +12,7 @@ from sheath_manip.playback.frames import Pictures, frames, seen
 from sheath_manip.playback.page import html
 from sheath_manip.playback.video import mp4
 from sheath_manip.protocols import Environment
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Episode, TaskSpec
 
 KINDS = ("mp4", "html")
@@ -21,7 +21,7 @@ KINDS = ("mp4", "html")
 class FilmMaker:
     """Owns the environment: all calls come from the thread that made it."""
 
-    def __init__(self, task: TaskEntry, variant: str, read: Callable[[int], Episode]) -> None:
+    def __init__(self, task: Task, variant: str, read: Callable[[int], Episode]) -> None:
         """Store what films are made of.
 
         Args:

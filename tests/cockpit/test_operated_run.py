@@ -26,7 +26,7 @@ from sheath_manip.types import Actor, Episode, EpisodeInfo, Observation, Outcome
 from sheath_manip.types.samples import samples_from
 from tests import toy
 from tests.cockpit.test_cockpit import Clock
-from tests.toy import Corridor, MiddleKeeper, hands, hold
+from tests.toy import Corridor, MiddleKeeper, hold, teleop
 
 INFO = EpisodeInfo("corridor", 3, Purpose.LEARNING, 50.0)
 PERIOD_S = 1 / 50.0
@@ -86,7 +86,7 @@ def run(
     script: Script, gate: Gate, steps: int = 12, listeners=(), fallback=None, **options
 ) -> tuple[Episode, Page]:
     clock = Clock()
-    cockpit = Cockpit(hands(Corridor()).guide, clock)
+    cockpit = Cockpit(teleop(Corridor()).guide, clock)
     environment = Corridor(steps)
     standing = hold(environment)
     scripted = MiddleKeeper(environment)
@@ -103,7 +103,7 @@ def run(
             PersonGate(gate, cockpit, 50.0, **{"dead_man": True} | options),
             rng=rng,
             policy=Straight(),
-            expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+            expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
             listeners=(*listeners, page),
         ),
         INFO,
@@ -242,7 +242,7 @@ def test_a_simulation_that_cannot_hold_stands_still():
             self.s += 0.25
             return self.s
 
-    cockpit = Cockpit(hands(Corridor()).guide, Passing())
+    cockpit = Cockpit(teleop(Corridor()).guide, Passing())
     environment = Corridor()
     scripted = MiddleKeeper(environment)
     stand_ins = dict.fromkeys(Turn, scripted)
@@ -253,7 +253,7 @@ def test_a_simulation_that_cannot_hold_stands_still():
         gate,
         rng=np.random.default_rng(0),
         policy=Straight(),
-        expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+        expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
     )
     assert reasons(episode)[3:6] == [Reason.NO_ANSWER] * 3
     assert len(episode) == 12
@@ -266,7 +266,7 @@ def test_a_demonstration_by_hand_is_the_persons():
 
 
 def test_discarding_ends_the_episode_at_its_next_step():
-    cockpit = Cockpit(hands(Corridor()).guide)
+    cockpit = Cockpit(teleop(Corridor()).guide)
     environment = OperatedEnvironment(Corridor(), cockpit)
     environment.reset(0)
     cockpit.order(Order.DISCARD, "page")

@@ -14,7 +14,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import SupportGate
 from sheath_manip.policies import make_policy
 from sheath_manip.rollout.loop import rollout
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.entry import DRIVING
 from sheath_manip.tasks.driving.task import DrivingTask
@@ -43,17 +43,17 @@ CALM_STEPS = 4
 
 
 def operated_episode(
-    task: TaskEntry,
+    task: Task,
     inner: ComposerEnvironment,
     in_its_hands: Callable[[Action], Held],
     store: EpisodeStore,
     seed: int,
 ) -> Episode:
     """A policy that does nothing, a gate that soon asks for a person, and a program that comes."""
-    assert task.hands is not None
-    by_hand = task.hands(inner)
+    assert task.teleop is not None
+    by_hand = task.teleop(inner)
     cockpit = Cockpit(by_hand.guide)
-    can_hold = "hold" in task.stand_ins
+    can_hold = "hold" in task.fallbacks
     scripted = task.expert(inner)
     stand_in = task.make_expert(inner, "hold") if can_hold else scripted
     spec = inner.spec

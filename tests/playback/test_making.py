@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.playback.film import film_of
@@ -81,9 +82,15 @@ def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path) -> None:
     for episode in episodes:
         store.append(episode)
     argv = ["replay", store.path, "--variant", "stage", "--once", "--speed", "100", "--port", "0"]
-    assert run_command(lambda: {"platformer": PLATFORMER}, [str(word) for word in argv]) == 0
+    assert (
+        run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), [str(word) for word in argv])
+        == 0
+    )
     argv = ["replay", store.path, "--variant", "stage", "--export", tmp_path / "episode.html"]
-    assert run_command(lambda: {"platformer": PLATFORMER}, [str(word) for word in argv]) == 0
+    assert (
+        run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), [str(word) for word in argv])
+        == 0
+    )
     assert (tmp_path / "episode.html").stat().st_size < 500_000
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.experiments.figures.intervention import Pictures, recorded
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 from sheath_manip.types import Episode
 
 
-def pictures_of(task: TaskEntry, variant: str) -> Pictures:
+def pictures_of(task: Task, variant: str) -> Pictures:
     """The entry's `picture` of episodes on `variant`, or the recorded images where it has none."""
     picture = task.picture
     if picture is None:

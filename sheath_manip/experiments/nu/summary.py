@@ -19,14 +19,14 @@ from sheath_manip.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_results
 from sheath_manip.metrics import record_of
-from sheath_manip.task import TaskEntry
+from sheath_manip.task import Task
 
 
 @dataclass(frozen=True)
 class Setting:
     """One nu on one task."""
 
-    task: TaskEntry
+    task: Task
     nu: float
     plan: LearningPlan
     runs: Path

@@ -1,6 +1,7 @@
-"""Who learns nothing, on the final scenes: what the methods' last policies have to be held against.
+"""Baselines that learn nothing, on the final scenes, to hold the methods' last policies against.
 
-Such as a way that was planned once and is followed without looking.
+Such as a way that was planned once and is followed without looking. In files they are called
+references.
 """
 
 import json
@@ -9,21 +10,21 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from sheath_manip.experiments.study import Study
 from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.evaluation import evaluate_expert
 from sheath_manip.metrics import figures_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import TaskEntry
 from sheath_manip.types import Purpose
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The job of one of them; resumable."""
+class Baseline:
+    """The job of one baseline; resumable."""
 
-    task: TaskEntry
+    study: Study
     plan: LearningPlan
     runs: Path
     name: str
@@ -36,8 +37,8 @@ class Reference:
             for _ in range(comparison.final_episodes):
                 report(self.name)
             return
-        environment = self.task.make_for_run(comparison.final_variant, comparison.seeds[0])
-        acting = self.task.references[self.name](environment)
+        environment = self.study.task.make_for_run(comparison.final_variant, comparison.seeds[0])
+        acting = self.study.baselines[self.name](environment)
         seeds = [
             scene_seed(Purpose.EVALUATION, comparison.held_out_set, index)
             for index in range(comparison.final_episodes)
@@ -47,14 +48,14 @@ class Reference:
         write_json(path, plain(asdict(figures_of(records))))
 
 
-def reference_jobs(task: TaskEntry, plan: LearningPlan, runs: Path) -> list[Reference]:
-    """One for each of the task's."""
-    return [Reference(task, plan, runs, name) for name in task.references]
+def baseline_jobs(study: Study, plan: LearningPlan, runs: Path) -> list[Baseline]:
+    """Return one job for each baseline of the study."""
+    return [Baseline(study, plan, runs, name) for name in study.baselines]
 
 
-def references(task: TaskEntry, runs: Path) -> Mapping[str, Any]:
-    """Figures by name, as far as they are there."""
-    paths = {name: _path(runs, name) for name in task.references}
+def baseline_figures(study: Study, runs: Path) -> Mapping[str, Any]:
+    """Return the figures by name, as far as they are there."""
+    paths = {name: _path(runs, name) for name in study.baselines}
     return {name: json.loads(path.read_text()) for name, path in paths.items() if path.exists()}
 
 
