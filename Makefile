@@ -34,7 +34,7 @@ test: lint contracts types gl browser ## lint, import contracts, types, tests
 soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, long runs, kills
 	$(PYTEST) -m 'soak or hypothesis' --hypothesis-profile soak --timeout 900
 	$(BIN)/python -m tools.soak --minutes 3
-	$(BIN)/python -m tools.kill_recorder --kills 60 --writers 2 --polls 10000
+	$(BIN)/python -m tools.kill_recorder --kills 30 --writers 2 --polls 1000
 
 lint: $(DEV_STAMP) ## ruff: rules and format
 	$(BIN)/ruff check .

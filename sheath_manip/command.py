@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from sheath_manip.threads import one_thread_by_default
+from sheath_manip.rollout.threads import one_thread_by_default
 
 if TYPE_CHECKING:
     from sheath_manip.cli.session import Catalog

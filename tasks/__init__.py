@@ -5,7 +5,7 @@ from importlib.util import find_spec
 
 # First of all: it chooses the GL library, which MuJoCo takes when it is imported.
 import sheath_manip  # noqa: F401
-from sheath_manip.threads import one_thread_by_default
+from sheath_manip.rollout.threads import one_thread_by_default
 
 one_thread_by_default()
 

@@ -8,7 +8,7 @@ from hypothesis import settings
 
 SOAK = "soak"
 """marker of tests, and hypothesis' profile, that `make soak` asks for"""
-TIMES = 20
+TIMES = 8
 
 
 def cases(count: int, **options: Any) -> settings:

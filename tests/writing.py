@@ -1,6 +1,7 @@
 """Episodes written where the tests run: starting a process takes longer than most of their runs.
 
-The process itself is tested in `tests/dataset/`, and in `tests/cli/test_cli_process.py` too.
+The process itself is tested in `tests/dataset/`, and with all the rest in
+`tests/cli/test_cli_process.py`.
 """
 
 from collections.abc import Iterator

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from sheath_manip.threads import single_threaded
+from sheath_manip.rollout.threads import single_threaded
 
 Sizes = TypeVar("Sizes")
 Clock = Callable[[], float]

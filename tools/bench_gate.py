@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from sklearn.svm import OneClassSVM
 from threadpoolctl import threadpool_limits
 
+from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.support.one_class_svm import OneClassSupport
-from sheath_manip.threads import single_threaded
 from tools.bench import Clock, Line, at_least, at_most, medians, run_bench, spent_s
 
 NU = 0.1

@@ -43,10 +43,10 @@ from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
+from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.task import Task
 from sheath_manip.tasks.table import STUDIES, TASKS
-from sheath_manip.threads import single_threaded
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until

@@ -48,10 +48,11 @@ class Memory:
 
     def watch(self, enough: threading.Event) -> None:
         """Sample until there is enough."""
-        began_s = time.monotonic()
-        while not enough.wait(self.every_s):
+        began_s, ended = time.monotonic(), False
+        while not ended:
             self.samples.append((time.monotonic() - began_s, resident_mb()))
             print(f"{self.samples[-1][0]:7.0f} s {self.samples[-1][1]:8.1f} MB", flush=True)
+            ended = enough.wait(self.every_s)
 
     def growth(self) -> float:
         """Of the last third's median over that of the first third after the warm-up."""
@@ -88,7 +89,6 @@ def soak(task_name: str, minutes: float, directory: Path, speed: float) -> tuple
     store = EpisodeStore.create(directory)
     enough = threading.Event()
     memory = Memory(every_s=max(60 * minutes / 120, 0.5))
-    ends_s = time.monotonic() + 60 * minutes
     with (
         Dashboard(inner.spec, port=0, cockpit=cockpit) as page,
         page_clients(page.address, readers=2, stalled=1),
@@ -99,7 +99,7 @@ def soak(task_name: str, minutes: float, directory: Path, speed: float) -> tuple
         ]
         for thread in threads:
             thread.start()
-        count = 0
+        count, ends_s = 0, time.monotonic() + 60 * minutes
         while time.monotonic() < ends_s:
             spec = inner.spec
             info = EpisodeInfo(

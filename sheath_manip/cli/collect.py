@@ -27,6 +27,8 @@ class Collect:
     """from which the scenes follow"""
     variant: str = "default"
     """of the task"""
+    workers: int = 0
+    """worker processes that run the episodes; with 0 they run in this one"""
     dashboard: bool = False
     """show the run in the browser"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
@@ -36,18 +38,17 @@ class Collect:
         at_least_one("episodes", self.episodes)
         task = session.task(self.task)
         # Only now: other verbs need no store.
-        from sheath_manip.cli.episodes import opened, print_figures, run_all
+        from sheath_manip.cli.episodes import executor_of, opened, print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.drivers import ExpertAlone
         from sheath_manip.rollout.request import EpisodeRequest
-        from sheath_manip.rollout.serial import SerialExecutor
 
         with opened(task, self.variant) as probe:
             spec = probe.spec
         with (
             self.address.listeners(self.dashboard, spec, session) as listeners,
             session.progress("demonstrations", self.episodes) as report,
-            SerialExecutor() as executor,
+            executor_of(self.workers, self.dashboard) as executor,
         ):
             store = EpisodeStore.create(self.store)
             infos = [self._info(spec, index) for index in range(self.episodes)]

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from sheath_manip.cli.session import Session
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.metrics import (
     EpisodeRecord,
     expert_share,
@@ -17,7 +18,9 @@ from sheath_manip.metrics import (
 )
 from sheath_manip.protocols import Environment, Listener, Report
 from sheath_manip.rollout.executor import Executor, unheard
+from sheath_manip.rollout.processes import ProcessExecutor
 from sheath_manip.rollout.request import EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 
 
@@ -29,6 +32,25 @@ def opened(task: Task, variant: str, run_seed: int = 0) -> Iterator[Environment]
         yield environment
     finally:
         environment.close()
+
+
+@contextmanager
+def executor_of(workers: int, watched: bool = False) -> Iterator[Executor]:
+    """Run episodes in so many worker processes, or with 0 in this one; ended at the end.
+
+    ParameterError for fewer, or where a page or a person wants to follow into other processes.
+    """
+    if workers < 0:
+        raise ParameterError(f"workers is {workers}; wanted at least 0")
+    if workers and watched:
+        raise ParameterError(
+            f"workers is {workers}; a page and a person follow what runs in this process: wanted 0"
+        )
+    executor = ProcessExecutor(workers) if workers else SerialExecutor()
+    try:
+        yield executor
+    finally:
+        executor.close()
 
 
 def run_all(

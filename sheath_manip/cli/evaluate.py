@@ -23,6 +23,8 @@ class Evaluate:
     """of the task"""
     scenes: str = Comparison.held_out_set
     """name of the set of scenes; tune on another than you report"""
+    workers: int = 0
+    """worker processes that run the episodes; with 0 they run in this one"""
     json: bool = False
     """print nothing but JSON on the standard output"""
 
@@ -31,12 +33,11 @@ class Evaluate:
         at_least_one("episodes", self.episodes)
         task = session.task(self.task)
         # Only now: torch takes seconds to import.
-        from sheath_manip.cli.episodes import opened, print_figures
+        from sheath_manip.cli.episodes import executor_of, opened, print_figures
         from sheath_manip.learning.checkpoint import digest, load_checkpoint
         from sheath_manip.learning.drivers import PolicyAlone
         from sheath_manip.learning.evaluation import evaluation_requests
         from sheath_manip.metrics import figures_of, record_of
-        from sheath_manip.rollout.serial import SerialExecutor
 
         with opened(task, self.variant) as probe:
             spec = probe.spec
@@ -52,7 +53,7 @@ class Evaluate:
             number=checkpoint.round,
         )
         with (
-            SerialExecutor() as executor,
+            executor_of(self.workers) as executor,
             session.progress("held-out scenes", self.episodes) as report,
         ):
             records = [record_of(each) for each in executor.map(requests, report=report)]

@@ -55,6 +55,8 @@ class Learn(Planned):
     """scenes on which the last policy is judged"""
     seed: int = 0
     """of the training run"""
+    workers: int = 0
+    """worker processes that run the episodes; with 0 they run in this one"""
     dashboard: bool = False
     """show the run in the browser; with a person it always is"""
     operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
@@ -115,19 +117,19 @@ class Learn(Planned):
         policy = asked_policy(self.policy, offered)
         plan = LearningPlan(policy, self.gate, self.schedule, comparison)
         # Only now: torch takes seconds to import.
+        from sheath_manip.cli.episodes import executor_of
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.methods import method_named
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
-        from sheath_manip.rollout.serial import SerialExecutor
 
         method_named(self.method)
         self.runs.mkdir(parents=True, exist_ok=True)
         require_same_plan(plan.described(), self.runs / "plan.json")
         by_hand = operated or _as_it_is
         with (
-            SerialExecutor() as executor,
+            executor_of(self.workers, bool(listeners)) as executor,
             session.progress("episodes and fits", plan.units()) as report,
         ):
             learning = LearningRun(

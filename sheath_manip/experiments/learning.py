@@ -17,6 +17,7 @@ from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
+from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
@@ -26,7 +27,6 @@ from sheath_manip.learning.resuming import require_same_plan
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
-from sheath_manip.rollout.executors import run_jobs
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 from sheath_manip.types import Purpose

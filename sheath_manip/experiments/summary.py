@@ -15,7 +15,7 @@ from sheath_manip.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, mean_interval
-from sheath_manip.threads import THREADS
+from sheath_manip.rollout.threads import THREADS
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 """the folder that holds the package: a git checkout, or site-packages, which is none"""

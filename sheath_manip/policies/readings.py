@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NoReturn
 
 import cv2
 import numpy as np
@@ -20,23 +21,38 @@ CONVOLUTION = "convolution "
 """what the latents of convolution layers are called, and then their number or camera"""
 
 
-def layers_of(proposal: Proposal) -> dict[str, torch.Tensor]:
-    """(n, c, h, w) what convolution layers made of the images, first to last or by camera.
+def numbered_layers(proposal: Proposal) -> list[torch.Tensor]:
+    """[(n, c, h, w)] what the convolution layers of one camera made of the image, first to last.
 
-    Raises ParameterError where the policy has none.
+    Raises ParameterError where the policy has none such.
     """
-    found = {
-        name.removeprefix(CONVOLUTION): layer
+    found = [layer for name, layer in _layers(proposal) if name.isdecimal()]
+    return found or _refuse(proposal, "cnn")
+
+
+def layers_by_camera(proposal: Proposal) -> dict[str, torch.Tensor]:
+    """(n, c, h, w) by camera, what its last convolution layer made of the image.
+
+    Raises ParameterError where the policy has none such.
+    """
+    found = {name: layer for name, layer in _layers(proposal) if not name.isdecimal()}
+    return found or _refuse(proposal, "spatial-cnn")
+
+
+def _layers(proposal: Proposal) -> list[tuple[str, torch.Tensor]]:
+    return [
+        (name.removeprefix(CONVOLUTION), layer)
         for name, layer in proposal.latents.items()
         if name.startswith(CONVOLUTION)
-    }
-    if not found:
-        raise ParameterError(
-            "the policy has no convolutions to look through; it gives "
-            f"{', '.join(sorted(proposal.latents)) or 'nothing'}: wanted a policy such as cnn, or "
-            "the embedding 'pixels'"
-        )
-    return found
+    ]
+
+
+def _refuse(proposal: Proposal, wanted: str) -> NoReturn:
+    raise ParameterError(
+        "the embedding needs a policy with convolutions to look through, such as "
+        f"{wanted}; this one gives {', '.join(sorted(proposal.latents)) or 'nothing'}: use that "
+        "policy, or the embedding 'pixels'"
+    )
 
 
 @dataclass(frozen=True)
@@ -63,7 +79,7 @@ class MiddleOfLastLayer:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, channels[-1] * cells)."""
         del observations
-        layer = list(layers_of(proposal).values())[-1]
+        layer = numbered_layers(proposal)[-1]
         top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
         middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
         return middle.flatten(1).numpy()
@@ -81,7 +97,7 @@ class LayerOnGrid:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, c * side²)."""
         del observations
-        layer = list(layers_of(proposal).values())[self.layer]
+        layer = numbered_layers(proposal)[self.layer]
         return functional.adaptive_avg_pool2d(layer, self.side).flatten(1).numpy()
 
 
@@ -97,7 +113,7 @@ class CamerasOnGrid:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, cameras * c * side²), the cameras in the order of their names."""
         del observations
-        layers = layers_of(proposal)
+        layers = layers_by_camera(proposal)
         pooled = [
             functional.adaptive_avg_pool2d(layers[name], self.side).flatten(1)
             for name in self.cameras or sorted(layers)
@@ -112,7 +128,7 @@ class PointsOfCameras:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, cameras * 2 c), the cameras in the order of their names."""
         del observations
-        layers = layers_of(proposal)
+        layers = layers_by_camera(proposal)
         return torch.cat([image_points(layers[name]) for name in sorted(layers)], dim=1).numpy()
 
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.nested_arrays import part, prefixed
 from sheath_manip.policies.choices import choices_of, nearest_choices
+from sheath_manip.policies.nested_arrays import part, prefixed
 from sheath_manip.protocols import Arrays, TrainablePolicy
 from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples

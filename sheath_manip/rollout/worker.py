@@ -14,8 +14,8 @@ from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SheathError, WorkerError
 from sheath_manip.rollout.request import EpisodeRequest
+from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.rollout.workplace import Workplace
-from sheath_manip.threads import single_threaded
 from sheath_manip.types import Episode
 
 

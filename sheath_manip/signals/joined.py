@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import part, prefixed
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Agreement, Arrays, Reader, Refits, Signal, TrainablePolicy
 from sheath_manip.types import Reason

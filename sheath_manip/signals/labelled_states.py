@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import part, prefixed
 from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from torch import nn
 
 from sheath_manip.protocols import Arrays
-from sheath_manip.threads import single_threaded
+from sheath_manip.rollout.threads import single_threaded
 
 BATCH = 128
 LEARNING_RATE = 3e-3

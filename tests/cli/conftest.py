@@ -9,7 +9,7 @@ from sheath_manip.cli.entry import run_command
 from tests.toy import CATALOG
 from tests.writing import writes_here
 
-__all__ = ["made", "sheath", "writes_here"]
+__all__ = ["writes_here"]
 
 Call = Callable[..., tuple[int, str, str]]
 """exit code, standard output, standard error"""

@@ -247,19 +247,19 @@ def bucket() -> Iterator[str]:
 
 
 class TestRemote:
-    def test_push_look_train_pull_drop(self, sheath, made, tmp_path, bucket):
-        url, store = f"{bucket}/corridor", made / "store"
+    def test_push_look_pull_drop(self, sheath, made, tmp_path, bucket):
+        url, store = f"{bucket}/few", tmp_path / "few"
+        few = EpisodeStore.create(store)
+        for name in names(made / "store")[:2]:
+            few.copy_from(EpisodeStore(made / "store"), name)
         code, out, _ = sheath("data", "merge", store, "--into", url)
-        assert (code, out) == (0, f"8 episodes copied into {url}, 0 were there before\n")
+        assert (code, out) == (0, f"2 episodes copied into {url}, 0 were there before\n")
         for verb in ("list", "check", "show"):
             code, out, err = sheath("data", verb, url)
             assert (code, err) == (0, ""), verb
         assert (
             sheath("data", "list", url, "--card")[:2] == sheath("data", "list", store, "--card")[:2]
         )
-        trained = tmp_path / "remote.npz"
-        assert sheath("train", "corridor", "--store", url, "--checkpoint", trained)[0] == 0
-        assert _fitted(trained) == _fitted(made / "first.npz")
         export = ("data", "export", url, tmp_path / "x.hdf5", "--format", "robomimic")
         assert sheath(*export)[0] == 0
         assert sheath("data", "merge", url, "--into", tmp_path / "back")[0] == 0
@@ -267,6 +267,13 @@ class TestRemote:
         first = names(store)[0]
         assert sheath("data", "drop", url, first)[:2] == (0, f"dropped {first}\n")
         assert first not in sheath("data", "list", url)[1]
+
+    @pytest.mark.soak
+    def test_a_checkpoint_is_that_of_the_directory(self, sheath, made, tmp_path, bucket):
+        url, trained = f"{bucket}/corridor", tmp_path / "remote.npz"
+        assert sheath("data", "merge", made / "store", "--into", url)[0] == 0
+        assert sheath("train", "corridor", "--store", url, "--checkpoint", trained)[0] == 0
+        assert _fitted(trained) == _fitted(made / "first.npz")
 
     def test_what_wants_a_directory_says_so(self, complaint, tmp_path, monkeypatch, bucket):
         monkeypatch.chdir(tmp_path)

@@ -3,17 +3,13 @@ from pathlib import Path
 from tools.kill_recorder import KillReport, kill_recorder
 
 
-def test_three_kills_harm_no_committed_episode(tmp_path: Path) -> None:
-    report = kill_recorder(tmp_path / "store", kills=3)
-    assert report.lossless, report
-    assert report.kills == 3
-    assert str(report).startswith("3 kills, ")
-
-
 def test_two_writers_and_a_reader_beside_kills(tmp_path: Path) -> None:
-    report = kill_recorder(tmp_path / "store", kills=4, writers=2, polls=60)
+    """Few of them; `make soak` has more."""
+    report = kill_recorder(tmp_path / "store", kills=2, writers=2, polls=5)
     assert report.lossless, report
-    assert report.polls >= 60
+    assert report.kills == 2
+    assert str(report).startswith("2 kills, ")
+    assert report.polls >= 5
     assert report.committed > 0
 
 

@@ -153,6 +153,7 @@ def test_another_plan_does_not_resume_it_but_other_rows_join(whole, tmp_path):
     assert "pixels/neighbors" in found
 
 
+@pytest.mark.soak
 def test_the_rest_of_the_grid_may_stay_out_of_the_loop(tmp_path, capsys):
     plan = replace(SMALL, embeddings=("pixels", "pixels-whitened"), other_episodes=0, held_out=0)
     found = benchmark(tmp_path, plan=plan)["tasks"]["corridor"]["rows"]

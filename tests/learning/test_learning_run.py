@@ -23,7 +23,7 @@ from sheath_manip.metrics import expert_share
 from sheath_manip.policies import POLICIES
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.protocols import Listener
-from sheath_manip.threads import single_threaded
+from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.types import Actor, Purpose
 from tests.run_files import digests, measured
 from tests.toy import CORRIDOR, PLAN, Corridor

@@ -6,7 +6,7 @@ import torch
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.policies.readings import layers_of
+from sheath_manip.policies.readings import numbered_layers
 from sheath_manip.policies.reconstruction import reconstruction_loss
 from tests.blobs import SPEC, blob_samples, fitted_policy, held_out
 
@@ -40,7 +40,7 @@ def test_seeds_differ():
 def test_activations_of_every_layer():
     five = held_out().take(np.arange(5)).observations
     proposal = fitted_policy("cnn").predict(five)
-    assert [tuple(layer.shape) for layer in layers_of(proposal).values()] == [
+    assert [tuple(layer.shape) for layer in numbered_layers(proposal)] == [
         (5, 16, 30, 30),
         (5, 32, 14, 14),
         (5, 32, 6, 6),
@@ -73,7 +73,7 @@ def test_the_image_is_painted_back_better_with_every_fit():
 
     def painting_loss() -> float:
         network = policy.network_
-        *_, last = layers_of(policy.predict(samples.observations)).values()
+        *_, last = numbered_layers(policy.predict(samples.observations))
         assert network is not None
         assert network.decoder is not None
         with torch.inference_mode():
@@ -113,7 +113,7 @@ def test_an_untrained_policy_has_the_shape_and_the_seeds_weights():
     policy = ConvPolicy(SPEC, channels=(4, 8), hidden=(16,), seed=1)
     five = held_out().take(np.arange(5)).observations
     first, again, other = (
-        list(layers_of(policy.untrained(seed).predict(five)).values()) for seed in (2, 2, 3)
+        numbered_layers(policy.untrained(seed).predict(five)) for seed in (2, 2, 3)
     )
     assert [layer.shape[1] for layer in first] == [4, 8]
     assert torch.equal(first[-1], again[-1])

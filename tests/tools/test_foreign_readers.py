@@ -32,7 +32,7 @@ def python(pytestconfig, tmp_path_factory) -> Path:
             pytest.skip(f"no registry gives {' '.join(ZARR_2.packages)} ({error})")
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.soak
 def test_a_replay_buffer_in_a_directory_and_in_a_zip(python: Path, tmp_path: Path) -> None:
     store = synthetic_store(tmp_path / "store", episodes=2)
     said = read_back(ZARR_2, python, store, tmp_path)

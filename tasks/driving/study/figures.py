@@ -20,6 +20,7 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.task import DrivingTask
 from sheath_manip.tasks.driving.track import Track
 from sheath_manip.types import Observation, Purpose
+from sheath_manip.types.samples import Samples
 
 ALONG_STEPS, ACROSS_STEPS = 72, 11
 """of the gate's map: a pose every 1.9 m of the lap and every 1.2 m across: 2400 pictures"""
@@ -159,7 +160,9 @@ def pose_scores(
             for camera in environment.spec.cameras
         }
         features = np.stack([observation.features for observation in batch])
-        scores.append(checkpoint.signal.scores(images, features))
+        nothing = np.full((len(batch), len(environment.spec.action.names)), np.nan, np.float32)
+        states = Samples(images, features, nothing, np.zeros(len(batch), np.int64))
+        scores.append(checkpoint.fitted.scores(states))
     return np.concatenate(scores)
 
 

@@ -9,7 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from typing import Any, Protocol, TypeVar
 
 from sheath_manip.protocols import Listener, Report
-from sheath_manip.threads import single_threaded
+from sheath_manip.rollout.threads import single_threaded
 
 
 class Job(Protocol):

@@ -1,0 +1,38 @@
+"""The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
+
+from sheath_manip.protocols.acting import Expert, Follows, HasOwnFrame, Policy, TakesOver, Teleop
+from sheath_manip.protocols.environment import Environment
+from sheath_manip.protocols.judging import Gate, Judge
+from sheath_manip.protocols.learning import (
+    Agreement,
+    Arrays,
+    Embedding,
+    Reader,
+    Refits,
+    Signal,
+    SupportEstimator,
+    TrainablePolicy,
+)
+from sheath_manip.protocols.listening import Listener, Report
+
+__all__ = [
+    "Agreement",
+    "Arrays",
+    "Embedding",
+    "Environment",
+    "Expert",
+    "Follows",
+    "Gate",
+    "HasOwnFrame",
+    "Judge",
+    "Listener",
+    "Policy",
+    "Reader",
+    "Refits",
+    "Report",
+    "Signal",
+    "SupportEstimator",
+    "TakesOver",
+    "Teleop",
+    "TrainablePolicy",
+]

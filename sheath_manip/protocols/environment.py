@@ -1,0 +1,66 @@
+"""What a task must offer to be run."""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.types import (
+    Action,
+    Observation,
+    Outcome,
+    SceneGeom,
+    ScenePose,
+    TaskSpec,
+    Transition,
+)
+
+
+class Environment(Protocol):
+    """A seeded task: the same seed and actions give the same episode to the bit."""
+
+    @property
+    def spec(self) -> TaskSpec:
+        """The task's constant description."""
+        ...
+
+    def reset(self, seed: int) -> Observation:
+        """Start the episode that belongs to `seed`."""
+        ...
+
+    def step(self, action: Action) -> Transition:
+        """Run one control step."""
+        ...
+
+    def outcome(self) -> Outcome:
+        """How the episode stands: TIME_LIMIT until it succeeds or fails."""
+        ...
+
+    def metrics(self) -> Mapping[str, float]:
+        """The episode's figures so far, `spec.metric` among them."""
+        ...
+
+    def state(self) -> NDArray[np.float64]:
+        """(s,) the whole simulator state."""
+        ...
+
+    def restore(self, state: NDArray[np.float64]) -> Observation:
+        """Continue from a `state()` of an episode with the present seed."""
+        ...
+
+    def scene(self) -> Sequence[SceneGeom]:
+        """The visible shapes, constant between resets."""
+        ...
+
+    def pose(self) -> ScenePose:
+        """How the scene stands now."""
+        ...
+
+    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
+        """How it stood in `state`, at which the episode then stands; nothing is observed."""
+        ...
+
+    def close(self) -> None:
+        """Free what the simulator and its renderer hold."""
+        ...
