@@ -1,13 +1,13 @@
-"""The command `sheath`: hands the table of tasks to the core, which knows none."""
+"""The command `sheath`: hands the tables of tasks and studies to the core, which knows none."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from sheath_manip.rollout.threads import one_thread_by_default
 
 if TYPE_CHECKING:
-    from sheath_manip.task import Task
+    from sheath_manip.cli.session import Catalog
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -16,7 +16,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # Only now: it imports numpy.
     from sheath_manip.cli.entry import run_command
 
-    return run_command(load_tasks, sys.argv[1:] if argv is None else argv)
+    return run_command(load_catalog, sys.argv[1:] if argv is None else argv)
 
 
 def task_main(task: str, argv: Sequence[str] | None = None) -> int:
@@ -24,11 +24,11 @@ def task_main(task: str, argv: Sequence[str] | None = None) -> int:
     one_thread_by_default()
     from sheath_manip.cli.entry import run_task_command
 
-    return run_task_command(load_tasks, task, sys.argv[1:] if argv is None else argv)
+    return run_task_command(load_catalog, task, sys.argv[1:] if argv is None else argv)
 
 
-def load_tasks() -> "Mapping[str, Task]":
-    """Import and return the table of tasks.
+def load_catalog() -> "Catalog":
+    """Import and return the tables of tasks and studies.
 
     Raises SetupError where the machine lacks their simulator, or the GL library that it wants.
     """
@@ -37,6 +37,7 @@ def load_tasks() -> "Mapping[str, Task]":
     require_simulator()
     require_gl()
     # Only now: without its GL library MuJoCo cannot be imported, and `sheath doctor` must run.
-    from sheath_manip.tasks.table import TASKS
+    from sheath_manip.cli.session import Catalog
+    from sheath_manip.tasks.table import STUDIES, TASKS
 
-    return TASKS
+    return Catalog(TASKS, STUDIES)

@@ -38,17 +38,21 @@ class _Member:
 class Registry(Mapping[str, T], Generic[T]):
     """The members of one kind, by name; a mapping that imports a member when it is asked for."""
 
-    def __init__(self, kind: str, group: str, own: Mapping[str, str]) -> None:
+    def __init__(
+        self, kind: str, group: str, own: Mapping[str, str], *, of: type[T] | None = None
+    ) -> None:
         """Store where the members are; nothing is imported.
 
         Args:
             kind: what a member is called in messages, such as `policy`.
             group: of the entry points of other packages, such as `sheath.policies`.
             own: the house's members, `module:attribute` by name, in the order they are listed in.
+            of: the class of all members, where they have one.
         """
         self.kind = kind
         self.group = group
         self.own = own
+        self.of = of
         self._loaded: dict[str, T] = {}
 
     def __getitem__(self, name: str) -> T:
@@ -70,16 +74,6 @@ class Registry(Mapping[str, T], Generic[T]):
 
     def __len__(self) -> int:
         return len(self._members)
-
-    def working(self, complain: Callable[[str], None]) -> dict[str, T]:
-        """Import all members; those that cannot be are left out, and `complain` is told why."""
-        found: dict[str, T] = {}
-        for name in self:
-            try:
-                found[name] = self[name]
-            except RegistrationError as error:
-                complain(str(error))
-        return found
 
     def get(self, name: str, default: Any = None) -> Any:
         """Import the member; `default` where there is none of that name."""
@@ -122,7 +116,10 @@ class Registry(Mapping[str, T], Generic[T]):
                 f"rename or uninstall all but one"
             )
         try:
-            return _imported(member.target)
+            found = _imported(member.target)
+            if self.of is not None and not isinstance(found, self.of):
+                raise TypeError(f"wanted a {self.of.__name__}, found {found!r}")
+            return found
         except Exception as error:
             if member.package == HOUSE:
                 raise
@@ -130,6 +127,17 @@ class Registry(Mapping[str, T], Generic[T]):
                 f"{self.kind} {name!r} cannot be imported from {member} "
                 f"({type(error).__name__}: {error}); repair or uninstall {member.package}"
             ) from error
+
+
+def working(table: Mapping[str, T], complain: Callable[[str], None]) -> dict[str, T]:
+    """Import all members of `table` but those that cannot be; `complain` is told of each why."""
+    found: dict[str, T] = {}
+    for name in table:
+        try:
+            found[name] = table[name]
+        except RegistrationError as error:
+            complain(str(error))
+    return found
 
 
 def _member(point: EntryPoint) -> _Member:

@@ -1,6 +1,6 @@
-"""What a task offers to the framework: one entry of the written-out table TASKS."""
+"""What a robot needs of a task: how to make it, its expert, fallbacks and teleop."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,18 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.experiments.claims import Claim
-from sheath_manip.experiments.probes import Probes
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import Environment, Expert, Teleop
 
 SCRIPTED = "scripted"
-"""the name of a task's own expert beside its stand-ins"""
+"""the name of a task's own expert beside its fallbacks"""
 
 
 @dataclass(frozen=True)
 class Task:
-    """How to make a task, its expert and its experiment. Everything in it can be pickled."""
+    """How to make a task and who can act in it. Everything in it can be pickled.
+
+    What is learned on it, and what is told about that, is a study's
+    (`sheath_manip.experiments.study`).
+    """
 
     name: str
     summary: str
@@ -27,46 +28,33 @@ class Task:
     """by name; `default` is used where none is asked for, `final` to judge final policies"""
     expert: Callable[[Any], Expert]
     """from the environment, since an expert may look at the physics"""
-    plans: Mapping[str, LearningPlan]
-    """`full` and `quick`"""
-    stand_ins: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
-    """by name, from the environment: who acts in the expert's place where there is none, such as
-    `hold`"""
-    references: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
-    """by name, from the environment: who learns nothing, to hold the experiment's methods against
-    on the final scenes"""
-    hands: Callable[[Any], Teleop] | None = None
-    """from the environment: how a person's devices drive it; None where nobody can"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)
     """by name, from the seed of a training run: all its episodes belong to one scene of the run's
     own, such as one stage, and their seeds choose what else may differ"""
-    figures: Mapping[str, Callable[..., None]] = field(default_factory=dict)
-    """figures of this task alone, by name"""
+    fallbacks: Mapping[str, Callable[[Any], Expert]] = field(default_factory=dict)
+    """by name, from the environment: controllers that act where the expert does not, such as
+    `hold`"""
+    teleop: Callable[[Any], Teleop] | None = None
+    """from the environment: how a person's devices drive it; None where nobody can"""
     picture: Callable[[Any], NDArray[np.uint8]] | None = None
     """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at, or
     none with a picture large enough"""
-    claims: Sequence[Claim] = ()
-    """what is claimed of its experiment's results"""
-    plan_claims: Mapping[str, Sequence[Claim]] = field(default_factory=dict)
-    """likewise of other plans than `full`, whose results lie in NAME-PLAN"""
-    probes: Probes | None = None
-    """what its gates are tested with"""
 
     def make(self, variant: str = "default") -> Environment:
-        """A new environment; raises UnknownNameError."""
+        """Return a new environment; raises UnknownNameError."""
         if variant not in self.variants:
             raise UnknownNameError(f"variant of {self.name}", variant, self.variants)
         return self.variants[variant]()
 
     def make_expert(self, environment: Environment, name: str = SCRIPTED) -> Expert:
-        """The expert, or who stands in for it by that name; raises UnknownNameError."""
-        experts = {SCRIPTED: self.expert, **self.stand_ins}
+        """Return the expert, or the fallback of that name; raises UnknownNameError."""
+        experts = {SCRIPTED: self.expert, **self.fallbacks}
         if name not in experts:
             raise UnknownNameError(f"expert of {self.name}", name, experts)
         return experts[name](environment)
 
     def make_for_run(self, variant: str, run_seed: int) -> Environment:
-        """A new environment for the training run of that seed; raises UnknownNameError."""
+        """Return a new environment for the training run of that seed; raises UnknownNameError."""
         if variant in self.run_variants:
             return self.run_variants[variant](run_seed)
         if variant not in self.variants:

@@ -4,6 +4,7 @@ from functools import cache, partial
 
 import numpy as np
 
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import Task
 from sheath_manip.types import Action, ActionSpec, Observation, TaskSpec, Transition
@@ -83,8 +84,8 @@ BUTTONS = Task(
     variants={"default": ButtonCorridor, "final": partial(ButtonCorridor, steps=24)},
     run_variants={"stage": make_stage},
     expert=ButtonKeeper,
-    plans={"full": PLAN, "quick": PLAN},
 )
+STUDY = Study(BUTTONS, plans={"full": PLAN, "quick": PLAN})
 
 
 def button_samples(count: int, seed: int, choices: tuple[int, ...] = (0, 1, 2)) -> Samples:

@@ -6,9 +6,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.cli.session import Catalog
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.experiments.probes import Displacement, Probes
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.task import Task
 from sheath_manip.types import (
@@ -122,7 +124,7 @@ def corridor_action(pressed: frozenset[str]) -> Action:
     return CHOICES[1 + ("right" in pressed) - ("left" in pressed)]
 
 
-def hands(environment: Corridor) -> ButtonHands:
+def teleop(environment: Corridor) -> ButtonHands:
     del environment
     buttons = {"left": Button("KeyJ", "left", stick=-1), "right": Button("KeyL", "right", stick=1)}
     return ButtonHands(buttons, corridor_action)
@@ -167,8 +169,8 @@ CORRIDOR = Task(
     summary="keep to the middle of a windy corridor",
     variants={"default": Corridor, "final": make_long},
     expert=MiddleKeeper,
-    plans={"full": PLAN, "quick": PLAN},
-    hands=hands,
-    stand_ins={"hold": hold},
-    probes=PROBES,
+    teleop=teleop,
+    fallbacks={"hold": hold},
 )
+STUDY = Study(CORRIDOR, plans={"full": PLAN, "quick": PLAN}, probes=PROBES)
+CATALOG = Catalog({"corridor": CORRIDOR}, {"corridor": STUDY})

@@ -29,7 +29,7 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.expert import DrivingExpert
 from sheath_manip.tasks.driving.task import DrivingTask
 from sheath_manip.tasks.driving.task import Scenario as DrivingScenario
-from sheath_manip.tasks.grasp_clutter.entry import drive_of, hands, hold
+from sheath_manip.tasks.grasp_clutter.entry import drive_of, hold, teleop
 from sheath_manip.tasks.grasp_clutter.task import GraspTask
 from sheath_manip.tasks.grasp_clutter.task import Scenario as GraspScenario
 from sheath_manip.types import Actor, EpisodeInfo, Observation, Purpose, Reason, Step
@@ -257,7 +257,7 @@ def burners(count: int) -> Iterator[None]:
 def obedience(sizes: Sizes) -> dict[str, Line]:
     """Steps from hearing an order to acting on it, with the page, three clients and busy cores."""
     inner = ComposerEnvironment(GraspTask(GraspScenario(cameras=(), time_limit_s=3600.0)))
-    by_hand = hands(inner)
+    by_hand = teleop(inner)
     cockpit = HeardCockpit(by_hand.guide)
     standing = hold(inner)
     gate = Watched(PersonGate(AlwaysPolicy(), cockpit, RATE_HZ))

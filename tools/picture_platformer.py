@@ -11,7 +11,7 @@ from pathlib import Path
 
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.expert import PlatformerExpert
-from sheath_manip.tasks.platformer.figures import write_scene
+from sheath_manip.tasks.platformer.study.figures import write_scene
 from sheath_manip.tasks.platformer.task import PlatformerTask, Scenario
 
 WIDTH_PX = 1200

@@ -29,7 +29,7 @@ from sheath_manip.cli.adjusting import adjusted
 from sheath_manip.cli.episodes import opened, run_all
 from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
-from sheath_manip.cli.session import Session
+from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
@@ -46,7 +46,7 @@ from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.task import Task
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.tasks.table import STUDIES, TASKS
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
@@ -113,9 +113,13 @@ class Subject:
 
 def trained(task: Task, folder: Path) -> Subject:
     """A policy and its gate from a few demonstrations."""
-    plan = task.plans["quick"].changed(
-        schedule={"false_alarm_episodes": 1},
-        comparison={"evaluation_episodes": 1, "final_episodes": 1},
+    plan = (
+        STUDIES[task.name]
+        .plan("quick")
+        .changed(
+            schedule={"false_alarm_episodes": 1},
+            comparison={"evaluation_episodes": 1, "final_episodes": 1},
+        )
     )
     store = EpisodeStore.create(folder / "training")
     learning = LearningRun(task, plan, 0, folder, store)
@@ -231,12 +235,12 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
 def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
     """The page of a run whose expert is a person: as the robot asks, and as a person drives."""
     task, checkpoint = subject.task, subject.checkpoint
-    if task.hands is None or checkpoint is None:
+    if task.teleop is None or checkpoint is None:
         return
     operating = Operating(wait_s=60.0)
     shown: Future[Cockpit] = Future()
     addresses: list[str] = []
-    session = Session(lambda: {}, "", *(Console(file=io.StringIO()) for _ in range(2)))
+    session = Session(lambda: Catalog({}, {}), "", *(Console(file=io.StringIO()) for _ in range(2)))
     adjusting = adjusted(checkpoint, subject.store)
 
     def drive() -> None:

@@ -81,9 +81,9 @@ def soak(task_name: str, minutes: float, directory: Path, speed: float) -> tuple
     """Run it; return the memory and how many episodes were recorded."""
     task = TASKS[task_name]
     inner = task.make()
-    assert task.hands is not None
-    by_hand, scripted = task.hands(inner), task.expert(inner)
-    can_hold = "hold" in task.stand_ins
+    assert task.teleop is not None
+    by_hand, scripted = task.teleop(inner), task.expert(inner)
+    can_hold = "hold" in task.fallbacks
     standing = task.make_expert(inner, "hold") if can_hold else scripted
     cockpit = Cockpit(by_hand.guide, paced=True)
     store = EpisodeStore.create(directory)

@@ -51,7 +51,6 @@ def _run(
     session: Session,
 ) -> None:
     """Run a benchmark at the asked size; UnknownNameError for one that it has no plan for."""
-    tasks = session.tasks().values()
     if asked.size not in plans:
         raise UnknownNameError(f"plan of {name}", asked.size, plans)
     plan = plans[asked.size]
@@ -60,7 +59,7 @@ def _run(
     if asked.fresh:
         move_aside(asked.runs, session)
     run(
-        tasks,
+        session.studies(),
         plan,
         runs=asked.runs,
         results=asked.results,

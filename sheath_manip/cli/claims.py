@@ -16,9 +16,9 @@ class Claims:
 
     def run(self, session: Session) -> int:
         """Print one line a claim; 1 where one does not hold."""
-        tasks = session.tasks().values()
-        gates = [claim for task in tasks if task.probes for claim in task.probes.claims]
-        claims = {task.name: task.claims for task in tasks} | {"gates": gates}
-        for task in tasks:
-            claims |= {f"{task.name}-{plan}": own for plan, own in task.plan_claims.items()}
+        studies = session.studies()
+        gates = [claim for study in studies if study.probes for claim in study.probes.claims]
+        claims = {study.name: study.claims for study in studies} | {"gates": gates}
+        for study in studies:
+            claims |= {f"{study.name}-{plan}": own for plan, own in study.plan_claims.items()}
         return print_claims(verdicts(self.results, claims), session.out)

@@ -19,7 +19,7 @@ from sheath_manip.cli.machine import Doctor, Tables
 from sheath_manip.cli.planned import Planned, registry, verb_for
 from sheath_manip.cli.replay import Replay
 from sheath_manip.cli.run import Run
-from sheath_manip.cli.session import Session, Tasks, Verb
+from sheath_manip.cli.session import LoadCatalog, Session, Verb
 from sheath_manip.cli.teleop import Teleop
 from sheath_manip.cli.train import Train
 from sheath_manip.cli.watch import Watch
@@ -48,26 +48,30 @@ OF_THE_MACHINE: dict[str, type[Verb]] = {
 }
 
 
-def run_command(tasks: Tasks, argv: Sequence[str]) -> int:
+def run_command(catalog: LoadCatalog, argv: Sequence[str]) -> int:
     """Run `sheath` with `argv`; return its exit code."""
     verbs = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE
     about = "Robots that learn from an expert without first having to fail."
-    return _run(verbs, tasks, argv, "sheath", about)
+    return _run(verbs, catalog, argv, "sheath", about)
 
 
-def run_task_command(tasks: Tasks, task: str, argv: Sequence[str]) -> int:
+def run_task_command(catalog: LoadCatalog, task: str, argv: Sequence[str]) -> int:
     """Run the verbs for one task, which the line does not name; return the exit code."""
     bound = {name: _bound(verb, task) for name, verb in OF_A_TASK.items()}
     about = f"The task {task!r}, as `sheath` runs it."
     prog = f"python -m sheath_manip.tasks.{task.replace('-', '_')}"
-    return _run(bound | OF_A_STORE, tasks, argv, prog, about)
+    return _run(bound | OF_A_STORE, catalog, argv, prog, about)
 
 
 def _run(
-    verbs: Mapping[str, type[Verb]], tasks: Tasks, argv: Sequence[str], prog: str, about: str
+    verbs: Mapping[str, type[Verb]],
+    catalog: LoadCatalog,
+    argv: Sequence[str],
+    prog: str,
+    about: str,
 ) -> int:
     try:
-        choices = [_choice(name, verb, tasks, argv) for name, verb in verbs.items()]
+        choices = [_choice(name, verb, catalog, argv) for name, verb in verbs.items()]
         line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
         verb: Verb = tyro.cli(
             line,
@@ -77,7 +81,7 @@ def _run(
             config=(tyro.conf.FlagCreatePairsOff,),
             registry=registry,
         )
-        return verb.run(Session(tasks, f"{prog} {shlex.join(argv)}".strip()))
+        return verb.run(Session(catalog, f"{prog} {shlex.join(argv)}".strip()))
     except BrokenPipeError:
         # Who reads has seen enough, as `head` has; what is left in the buffer goes nowhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -90,11 +94,11 @@ def _run(
         return INTERRUPTED
 
 
-def _choice(name: str, verb: type[Verb], tasks: Tasks, argv: Sequence[str]) -> Any:
+def _choice(name: str, verb: type[Verb], catalog: LoadCatalog, argv: Sequence[str]) -> Any:
     """What tyro is told of a verb; its defaults follow the line where the line is of this verb."""
     if not (list(argv[:1]) == [name] and issubclass(verb, Planned)):
         return Annotated[verb, tyro.conf.subcommand(name, prefix_name=False)]
-    wanted, before = verb_for(verb, tasks, argv[1:])
+    wanted, before = verb_for(verb, catalog, argv[1:])
     if before is None:
         return Annotated[wanted, tyro.conf.subcommand(name, prefix_name=False)]
     return Annotated[wanted, tyro.conf.subcommand(name, default=before, prefix_name=False)]

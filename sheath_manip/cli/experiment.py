@@ -7,7 +7,7 @@ from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
 from sheath_manip.cli.comparing import Comparing
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, spec_of
-from sheath_manip.cli.planned import Planned, asked_policy, plan_named
+from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session, Verb
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.gates.config import GateConfig
@@ -70,11 +70,11 @@ class Experiment(Comparing, Planned):
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
-        tasks = session.tasks()
+        tasks = session.catalog().tasks
         if self.task not in tasks:
             raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS))
-        task = tasks[self.task]
-        policy = asked_policy(self.policy, plan_named(task, self.size))
+        study = session.study(self.task)
+        policy = asked_policy(self.policy, study.plan(self.size))
         plan = LearningPlan(policy, self.gate, self.schedule, self.comparison)
         if self.figures == ():
             raise ParameterError("figures is empty; wanted at least one")
@@ -86,11 +86,11 @@ class Experiment(Comparing, Planned):
 
         for method in plan.comparison.methods:
             method_named(method)
-        with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
+        with self.address.listeners(self.dashboard, spec_of(study.task), session) as listeners:
             if self.fresh:
                 move_aside(runs, session)
             run_experiment(
-                task,
+                study,
                 plan,
                 runs=runs,
                 results=results,

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from sheath_manip.cli.operated import PERSON, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
-from sheath_manip.cli.planned import Planned, asked_policy, plan_named
+from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
@@ -106,7 +106,7 @@ class Learn(Planned):
         listeners: Sequence[Listener],
         operated: "Callable[[Driver], Driver] | None",
     ) -> int:
-        offered = plan_named(task, self.plan)
+        offered = session.study(self.task).plan(self.plan)
         comparison = replace(
             offered.comparison,
             methods=(self.method,),

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from sheath_manip.cli import doctor
 from sheath_manip.cli.session import Session
-from sheath_manip.task import Task
+from sheath_manip.experiments.study import Study
 from sheath_manip.types import ActionSpec
 
 
@@ -28,8 +28,8 @@ class Tables:
 
     def run(self, session: Session) -> int:
         """Print the tables."""
-        for task in session.tasks().values():
-            session.out.print(_described(task))
+        for task in session.tasks():
+            session.out.print(_described(session.study(task.name)))
         # Only now: torch takes seconds to import.
         from sheath_manip.learning.methods import METHODS
         from sheath_manip.policies import EMBEDDINGS, POLICIES
@@ -53,7 +53,8 @@ class Tables:
         return 0
 
 
-def _described(task: Task) -> Table:
+def _described(study: Study) -> Table:
+    task = study.task
     environment = task.make()
     spec = environment.spec
     environment.close()
@@ -67,7 +68,7 @@ def _described(task: Task) -> Table:
             "actions": _actions(spec.action),
             "judged by": spec.metric,
             "variants": ", ".join((*task.variants, *task.run_variants)),
-            "plans": ", ".join(task.plans),
+            "plans": ", ".join(study.plans),
         },
     )
 

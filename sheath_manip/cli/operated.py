@@ -62,12 +62,12 @@ class Operating:
 
         `gate` are the sliders of an adjustable gate.
         """
-        if task.hands is None:
-            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with hands")
+        if task.teleop is None:
+            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with teleop")
         if not self.wait_s >= 0:
             raise ParameterError(f"wait_s is {self.wait_s}; wanted at least 0, such as {WAIT_S:g}")
         probe = task.make()
-        spec, hands = probe.spec, task.hands(probe)
+        spec, hands = probe.spec, task.teleop(probe)
         task.make_expert(probe, self.fallback)
         probe.close()
         stand_in = "scripted expert" if self.fallback == SCRIPTED else f"stand-in “{self.fallback}”"
@@ -130,4 +130,4 @@ class Crew:
     @property
     def can_hold(self) -> bool:
         """Whether the robot can stay where it is."""
-        return HOLD in self.task.stand_ins
+        return HOLD in self.task.fallbacks

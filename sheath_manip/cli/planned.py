@@ -12,11 +12,10 @@ from typing import Any, get_origin, get_type_hints
 
 import tyro
 
-from sheath_manip.cli.session import Tasks, Verb
-from sheath_manip.exceptions import ParameterError, SheathError, UnknownNameError
+from sheath_manip.cli.session import Catalog, LoadCatalog, Verb
+from sheath_manip.exceptions import ParameterError, SheathError
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
-from sheath_manip.task import Task
 
 HELP = ("-h", "--help")
 
@@ -46,7 +45,7 @@ class Planned(Verb, ABC):
 
 
 def verb_for(
-    verb: type[Planned], tasks: Tasks, argv: Sequence[str]
+    verb: type[Planned], catalog: LoadCatalog, argv: Sequence[str]
 ) -> tuple[type[Verb], Verb | None]:
     """Return the verb that the line wants, and as what it is before the line is read.
 
@@ -57,16 +56,9 @@ def verb_for(
     wanted = verb if read is None else verb.named(read.task)
     if not issubclass(wanted, Planned):
         return wanted, None
-    plan = None if read is None else _plan(read, tasks)
+    plan = None if read is None else _plan(read, catalog())
     settings = wanted.settings(plan or LearningPlan())
     return wanted, wanted(**_required(wanted, lambda _: tyro.MISSING), **settings)
-
-
-def plan_named(task: Task, size: str) -> LearningPlan:
-    """The task's plan of that name; raises UnknownNameError."""
-    if size not in task.plans:
-        raise UnknownNameError(f"plan of {task.name}", size, task.plans)
-    return task.plans[size]
 
 
 def asked_policy(asked: PolicyConfig, plan: LearningPlan) -> PolicyConfig:
@@ -90,9 +82,9 @@ def _read(verb: type[Planned], argv: Sequence[str]) -> Planned | None:
         return None
 
 
-def _plan(read: Planned, tasks: Tasks) -> LearningPlan | None:
-    table = tasks()
-    return table[read.task].plans.get(read.size) if read.task in table else None
+def _plan(read: Planned, catalog: Catalog) -> LearningPlan | None:
+    studies = catalog.studies
+    return studies[read.task].plans.get(read.size) if read.task in studies else None
 
 
 def _required(verb: type, value: Any) -> dict[str, Any]:

@@ -13,10 +13,21 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.text import Text
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.study import Study
+from sheath_manip.registry import working
 from sheath_manip.task import Task
 
-Tasks = Callable[[], Mapping[str, Task]]
-"""gives the table of tasks; called only by verbs that need it, since a task brings its simulator"""
+
+@dataclass(frozen=True)
+class Catalog:
+    """The tasks and the studies that there are, each by the task's name."""
+
+    tasks: Mapping[str, Task]
+    studies: Mapping[str, Study]
+
+
+LoadCatalog = Callable[[], Catalog]
+"""called only by verbs that need a task, since tasks bring their simulator"""
 
 PIPED_COLUMNS = 160
 
@@ -25,7 +36,7 @@ PIPED_COLUMNS = 160
 class Session:
     """One call of the command."""
 
-    tasks: Tasks
+    catalog: LoadCatalog
     command: str
     """as it was typed"""
     out: Console = field(default_factory=lambda: Console(width=_width()))
@@ -34,11 +45,27 @@ class Session:
     """for progress, so that results can be piped"""
 
     def task(self, name: str) -> Task:
-        """The task; raises UnknownNameError."""
-        tasks = self.tasks()
+        """Return the task; raises UnknownNameError."""
+        tasks = self.catalog().tasks
         if name not in tasks:
             raise UnknownNameError("task", name, tasks)
         return tasks[name]
+
+    def study(self, name: str) -> Study:
+        """Return the study of the task, a bare one where it has none; raises UnknownNameError."""
+        task, studies = self.task(name), self.catalog().studies
+        return studies[name] if name in studies else Study(task)
+
+    def tasks(self) -> list[Task]:
+        """Return all tasks but those that cannot be imported, of which a line is printed each."""
+        return list(working(self.catalog().tasks, self._complain).values())
+
+    def studies(self) -> list[Study]:
+        """Return all studies, as `tasks` does."""
+        return list(working(self.catalog().studies, self._complain).values())
+
+    def _complain(self, line: str) -> None:
+        self.err.print(Text(line, "yellow"))
 
     def announce(self, address: str) -> None:
         """Print the address of a page, token included."""

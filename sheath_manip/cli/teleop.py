@@ -44,7 +44,7 @@ class Teleop:
         at_least_one("episodes", self.episodes)
         task = session.task(self.task)
         # Nobody else demonstrates: what a person leaves, the robot holds.
-        fallback = HOLD if HOLD in task.stand_ins else SCRIPTED
+        fallback = HOLD if HOLD in task.fallbacks else SCRIPTED
         operating = Operating(fallback, float("inf"), self.speed, self.spacemouse)
         # Only now: other verbs need no store.
         from sheath_manip.cli.episodes import print_figures, run_all

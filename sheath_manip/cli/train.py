@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.options import TaskName
-from sheath_manip.cli.planned import Planned, asked_policy, plan_named
+from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
@@ -65,7 +65,7 @@ class Train(Planned):
     def run(self, session: Session) -> int:
         """Fit, save, and print what came of it."""
         task = session.task(self.task)
-        config = asked_policy(self.policy, plan_named(task, self.size))
+        config = asked_policy(self.policy, session.study(self.task).plan(self.size))
         Schedule(calibration=self.calibration)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened

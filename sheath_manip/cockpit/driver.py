@@ -32,8 +32,8 @@ class OperatedDriver:
 
         ParameterError for a task that nobody can drive by hand.
         """
-        if task.hands is None:
-            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with hands")
+        if task.teleop is None:
+            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with teleop")
         inner = environment
         if isinstance(environment, OperatedEnvironment):
             inner = environment.environment
@@ -49,5 +49,5 @@ class OperatedDriver:
             dead_man=self.dead_man,
             fallback_teaches=self.fallback == SCRIPTED,
         )
-        others = beside_the_policy(self.cockpit, task.hands(inner), hold=hold, fallback=fallback)
+        others = beside_the_policy(self.cockpit, task.teleop(inner), hold=hold, fallback=fallback)
         return Crew(gate, crew.policy, crew.expert, others)

@@ -10,10 +10,11 @@ from rich.console import Console
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.baselines import BaselineJob, baseline_figures, baseline_jobs
 from sheath_manip.experiments.figures import FIGURES, View, write_figures
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
-from sheath_manip.experiments.references import Reference, reference_jobs, references
+from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
 from sheath_manip.experiments.workers import run_jobs
@@ -58,7 +59,7 @@ class Job:
 
 
 def run_experiment(
-    task: Task,
+    study: Study,
     plan: LearningPlan,
     *,
     runs: Path,
@@ -78,7 +79,8 @@ def run_experiment(
     console = console or Console()
     if listeners and workers:
         raise ParameterError(f"listeners follow one process only; wanted workers 0, got {workers}")
-    known = (*FIGURES, *task.figures)
+    task = study.task
+    known = (*FIGURES, *study.figures)
     for name in figures or ():
         if name not in known:
             raise UnknownNameError("figure", name, known)
@@ -91,7 +93,7 @@ def run_experiment(
     EpisodeStore.create(runs / "store")
     stopwatch = Stopwatch(runs / "wall.json")
 
-    held_against = reference_jobs(task, plan, runs)
+    held_against = baseline_jobs(study, plan, runs)
     jobs = [
         *(Job(task, plan, runs, seed, PREPARE) for seed in plan.comparison.seeds),
         *held_against,
@@ -100,18 +102,18 @@ def run_experiment(
     with shown_progress(console, units, stopwatch) as report:
         run_jobs(jobs, _next_jobs, workers, report, listeners)
     wall_s = stopwatch.tick(force=True)
-    summary = _summary(task, plan, runs, command, wall_s)
+    summary = _summary(study, plan, runs, command, wall_s)
     write_json(results / "summary.json", summary)
-    paths = _figures(task, plan, runs, results, summary, figures)
+    paths = _figures(study, plan, runs, results, summary, figures)
     console.print(table(summary))
     for path in (results / "summary.json", *paths):
         console.print(f"  {path}")
     return summary
 
 
-def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
+def _next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
     """What can start after `done`: a seed's methods, then those that follow another's share."""
-    if isinstance(done, Reference):
+    if isinstance(done, BaselineJob):
         return []
     plan = done.plan
     methods = [method_named(name) for name in plan.comparison.methods]
@@ -123,7 +125,7 @@ def _next_jobs(done: Job | Reference) -> list[Job | Reference]:
 
 
 def _summary(
-    task: Task, plan: LearningPlan, runs: Path, command: str, wall_s: float
+    study: Study, plan: LearningPlan, runs: Path, command: str, wall_s: float
 ) -> dict[str, Any]:
     comparison = plan.comparison
     results = {
@@ -138,29 +140,29 @@ def _summary(
         if plan.schedule.demonstration_noise == 0
         or episode.info.purpose is not Purpose.DEMONSTRATION
     ]
-    environment = task.make_for_run(plan.schedule.variant, comparison.seeds[0])
+    environment = study.task.make_for_run(plan.schedule.variant, comparison.seeds[0])
     environment.close()
     return summarise(
-        task.name,
+        study.name,
         plan,
         results,
         expert,
         command,
         wall_s,
         environment.spec.metric,
-        references(task, runs),
+        baseline_figures(study, runs),
     )
 
 
 def _figures(
-    task: Task,
+    study: Study,
     plan: LearningPlan,
     runs: Path,
     results: Path,
     summary: dict[str, Any],
     names: Sequence[str] | None,
 ) -> list[Path]:
-    store = EpisodeStore(runs / "store")
+    task, store = study.task, EpisodeStore(runs / "store")
     methods, variant = plan.comparison.methods, plan.schedule.variant
     shown = "sheath" if "sheath" in methods else methods[0]
     last = round_results(runs, plan.comparison.seeds[0], shown)[-1]
@@ -170,7 +172,7 @@ def _figures(
         checkpoint = load_checkpoint(path, environment.spec)
         own = {
             name: partial(draw, store, checkpoint, environment)
-            for name, draw in task.figures.items()
+            for name, draw in study.figures.items()
         }
         view = View(pictures_of(task, variant), environment.spec.action)
         return write_figures(results, summary, store, own, names, view)

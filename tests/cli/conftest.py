@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.cli.entry import run_command
-from tests.toy import CORRIDOR
+from tests.toy import CATALOG
 from tests.writing import writes_here
 
 __all__ = ["writes_here"]
@@ -18,7 +18,7 @@ Call = Callable[..., tuple[int, str, str]]
 def run(*argv: object) -> int:
     """Run the command; return its exit code."""
     try:
-        return run_command(lambda: {"corridor": CORRIDOR}, [str(word) for word in argv])
+        return run_command(lambda: CATALOG, [str(word) for word in argv])
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 1
 

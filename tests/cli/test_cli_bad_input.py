@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.dataset.store import EpisodeStore
 from tests.toy import CORRIDOR, Corridor, MiddleKeeper
 
@@ -174,7 +175,7 @@ def test_store_of_another_task(complaint, made, tmp_path, capsys):
     moon = replace(CORRIDOR, name="moon", variants={"default": _moon}, expert=MiddleKeeper)
     store = tmp_path / "store"
     argv = ["collect", "moon", "--store", str(store), "--episodes", "1"]
-    assert run_command(lambda: {"moon": moon}, argv) == 0
+    assert run_command(lambda: Catalog({"moon": moon}, {}), argv) == 0
     capsys.readouterr()
     line = complaint("train", "corridor", "--store", store, "--checkpoint", tmp_path / "c.npz")
     assert "task 'moon' instead of 'corridor'" in line
@@ -246,7 +247,7 @@ def _failing(after: int, trouble):
             acted += 1
             return trouble() if acted > after else super().act(observation)
 
-    return lambda: {"corridor": replace(CORRIDOR, expert=Failing)}
+    return lambda: Catalog({"corridor": replace(CORRIDOR, expert=Failing)}, {})
 
 
 def _interrupt():

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Action, ActionSpec, Observation, Purpose, Transition
 from tests.episodes import INFO, episode_of
-from tests.toy import CORRIDOR, Corridor, MiddleKeeper
+from tests.toy import CORRIDOR, STUDY, Corridor, MiddleKeeper
 
 
 def slow() -> Corridor:
@@ -65,7 +66,7 @@ def collect(make: Callable[[], Corridor], store: Path) -> int:
     """Record scenes of a corridor as `make` makes it."""
     task = replace(CORRIDOR, variants={"default": make, "other": make}, expert=MiddleKeeper)
     argv = ["collect", "corridor", "--store", str(store), "--episodes", "9"]
-    return run_command(lambda: {"corridor": task}, argv)
+    return run_command(lambda: Catalog({"corridor": task}, {"corridor": STUDY}), argv)
 
 
 @pytest.fixture
@@ -113,13 +114,14 @@ def test_a_variant_is_trained_on_as_it_is(complaint, tmp_path) -> None:
     task = replace(CORRIDOR, variants={"default": Corridor, "other": stronger})
     tasks = {"corridor": task}
     store, checkpoint = str(tmp_path / "store"), str(tmp_path / "c.npz")
-    small = ["--policy", "hog-svm", "--signal", "support", "--embedding", "pixels"]
+    small = ["--policy.name", "hog-svm", "--gate.signal", "support"]
+    small += ["--gate.embedding", "pixels"]
     for argv in (
         ["collect", "corridor", "--store", store, "--episodes", "5", "--variant", "other"],
         ["train", "corridor", "--store", store, "--checkpoint", checkpoint, *small],
         ["replay", store, "--once", "--speed", "50", "--port", "0"],
     ):
-        assert run_command(lambda: tasks, argv) == 0
+        assert run_command(lambda: Catalog(tasks, {"corridor": STUDY}), argv) == 0
     # Where there is no such variant, that is what is said.
     assert "variant of corridor 'other'" in complaint("replay", store, "--once", "--port", 0)
 
@@ -129,7 +131,7 @@ def test_train_names_variants_and_failures(sheath, made, tmp_path) -> None:
     store = EpisodeStore(tmp_path / "store")
     options = ("--store", store.path, "--episodes", 1, "--variant", "final")
     assert sheath("collect", "corridor", *options)[0] == 0
-    small = ("--policy", "hog-svm", "--signal", "support", "--embedding", "pixels")
+    small = ("--policy.name", "hog-svm", "--gate.signal", "support", "--gate.embedding", "pixels")
     train = ("train", "corridor", "--store", store.path, "--checkpoint", tmp_path / "c.npz")
     code, out, _ = sheath(*train, *small)
     assert code == 0

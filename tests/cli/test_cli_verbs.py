@@ -25,7 +25,7 @@ from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.seeding import generator, scene_seed
 from sheath_manip.signals.joined import JoinedSignal
 from sheath_manip.types import Actor, EpisodeInfo, Purpose
-from tests.toy import CORRIDOR, PLAN, Corridor, MiddleKeeper
+from tests.toy import CATALOG, PLAN, STUDY, Corridor, MiddleKeeper
 
 
 def test_tasks_lists_tasks_and_all_names(sheath):
@@ -205,8 +205,8 @@ def asked(monkeypatch, tmp_path) -> list[dict]:
     """What `run_experiment` is asked for, without running it, in an empty working directory."""
     calls = []
 
-    def run_experiment(task, plan, **options):
-        calls.append({"task": task, "plan": plan} | options)
+    def run_experiment(study, plan, **options):
+        calls.append({"study": study, "plan": plan} | options)
 
     stand_in = types.ModuleType("sheath_manip.experiments.learning")
     stand_in.__dict__["run_experiment"] = run_experiment
@@ -219,7 +219,7 @@ def test_experiment_hands_over_its_settings(sheath, asked):
     argv = ("experiment", "corridor", "--seeds", 4, 5, "--rounds", 3, "--methods", "cloning")
     assert sheath(*argv, "--workers", 1)[0] == 0
     (call,) = asked
-    assert call["task"] is CORRIDOR
+    assert call["study"] is STUDY
     assert (call["plan"].comparison.seeds, call["plan"].schedule.rounds) == ((4, 5), 3)
     assert call["plan"].comparison.methods == ("cloning",)
     assert (call["runs"], call["results"]) == (Path("runs/corridor"), Path("results/corridor"))
@@ -289,15 +289,15 @@ def test_experiment_fresh_keeps_the_earlier_run(sheath, asked, tmp_path):
 def test_experiment_gates_takes_all_tasks(sheath, monkeypatch, tmp_path):
     calls = []
 
-    def run_gates(tasks, plan, **options):
-        calls.append({"tasks": list(tasks), "plan": plan} | options)
+    def run_gates(studies, plan, **options):
+        calls.append({"studies": list(studies), "plan": plan} | options)
 
     monkeypatch.setattr("sheath_manip.experiments.gates.benchmark.run_gates", run_gates)
     monkeypatch.chdir(tmp_path)
     assert sheath("experiment", "gates", "--seeds", 1, 2)[0] == 0
     assert sheath("experiment", "gates", "--quick", "--workers", 0)[0] == 0
     full, quick = calls
-    assert full["tasks"] == [CORRIDOR]
+    assert full["studies"] == [STUDY]
     assert full["plan"].seeds == (1, 2)
     assert (full["runs"], full["results"]) == (Path("runs/gates"), Path("results/gates"))
     assert full["command"] == "sheath experiment gates --seeds 1 2"
@@ -309,12 +309,12 @@ def test_experiment_gates_takes_all_tasks(sheath, monkeypatch, tmp_path):
 
 def test_task_script_has_the_verbs_without_the_task(capsys, tmp_path):
     argv = ["collect", "--store", str(tmp_path / "store"), "--episodes", "1"]
-    assert run_task_command(lambda: {"corridor": CORRIDOR}, "corridor", argv) == 0
+    assert run_task_command(lambda: CATALOG, "corridor", argv) == 0
     assert len(EpisodeStore(tmp_path / "store").names()) == 1
     with pytest.raises(SystemExit):
-        run_task_command(lambda: {"corridor": CORRIDOR}, "corridor", ["--help"])
+        run_task_command(lambda: CATALOG, "corridor", ["--help"])
     text = capsys.readouterr().out
     assert all(verb in text for verb in (*OF_A_TASK, *OF_A_STORE))
     with pytest.raises(SystemExit):
-        run_task_command(lambda: {"corridor": CORRIDOR}, "corridor", ["collect", "--help"])
+        run_task_command(lambda: CATALOG, "corridor", ["collect", "--help"])
     assert "TASK" not in capsys.readouterr().out

@@ -16,7 +16,7 @@ from sheath_manip.gates import SupportGate
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
-from sheath_manip.tasks.grasp_clutter.entry import drive_of, hands, hold
+from sheath_manip.tasks.grasp_clutter.entry import drive_of, hold, teleop
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
 from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Purpose, Step
@@ -88,7 +88,7 @@ def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
 
     def run() -> None:
         inner = ComposerEnvironment(GraspTask(SCENARIO))
-        by_hand = hands(inner)
+        by_hand = teleop(inner)
         cockpit = Cockpit(by_hand.guide, paced=True)
         environment = OperatedEnvironment(inner, cockpit)
         standing = hold(inner)

@@ -14,7 +14,7 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.lease import LOST_AFTER_S
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.message_age import MOST_PER_S, Budget, MessageAge
-from tests.toy import Corridor, hands
+from tests.toy import Corridor, teleop
 from tests.waiting import eventually
 from tools.station import Station, open_socket
 
@@ -29,7 +29,7 @@ TAKE_OVER = json.dumps({"order": "take-over"})
 
 @pytest.fixture
 def cockpit() -> Cockpit:
-    return Cockpit(hands(Corridor()).guide, paced=True)
+    return Cockpit(teleop(Corridor()).guide, paced=True)
 
 
 @pytest.fixture

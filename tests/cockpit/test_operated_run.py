@@ -25,7 +25,7 @@ from sheath_manip.types import Actor, Episode, EpisodeInfo, Observation, Outcome
 from sheath_manip.types.samples import samples_from
 from tests import toy
 from tests.cockpit.test_cockpit import Clock
-from tests.toy import Corridor, MiddleKeeper, hands, hold
+from tests.toy import Corridor, MiddleKeeper, hold, teleop
 
 INFO = EpisodeInfo("corridor", 3, Purpose.LEARNING, 50.0)
 PERIOD_S = 1 / 50.0
@@ -85,7 +85,7 @@ def run(
     script: Script, gate: Gate, steps: int = 12, listeners=(), fallback=None, **options
 ) -> tuple[Episode, Page]:
     clock = Clock()
-    cockpit = Cockpit(hands(Corridor()).guide, clock)
+    cockpit = Cockpit(teleop(Corridor()).guide, clock)
     environment = Corridor(steps)
     standing = hold(environment)
     scripted = MiddleKeeper(environment)
@@ -102,7 +102,7 @@ def run(
             PersonGate(gate, cockpit, 50.0, **{"dead_man": True} | options),
             rng=rng,
             policy=Straight(),
-            expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+            expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
             listeners=(*listeners, page),
         ),
         INFO,
@@ -189,7 +189,7 @@ def test_after_a_lost_heartbeat_the_robot_holds_and_nobody_acts_of_itself():
 
 def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on():
     clock = Clock()
-    cockpit = Cockpit(hands(Corridor()).guide, clock)
+    cockpit = Cockpit(teleop(Corridor()).guide, clock)
     environment = Corridor()
     stand_ins = dict.fromkeys(Actor, hold(environment))
     page = Page(cockpit, clock, {4: lambda page: page.leave("page")})
@@ -203,7 +203,7 @@ def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on
             gate,
             rng=np.random.default_rng(0),
             policy=Straight(),
-            expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+            expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
             listeners=(page,),
         )
         return list(page.turns)
@@ -231,7 +231,7 @@ def test_the_stop_acts_on_the_next_step_and_needs_a_reset_and_a_new_takeover():
 
 def test_a_stop_and_its_reset_between_two_looks_of_the_loop_still_halt_it():
     """No motion until somebody resumes, though no step ever saw the stop."""
-    cockpit = Cockpit(hands(Corridor()).guide, Clock())
+    cockpit = Cockpit(teleop(Corridor()).guide, Clock())
     gate = PersonGate(AlwaysPolicy(), cockpit, 50.0)
     seen = Corridor().reset(0)
     assert gate.decide(seen, np.zeros(1, np.float32)).actor is Actor.POLICY
@@ -283,7 +283,7 @@ def test_a_simulation_that_cannot_hold_stands_still():
             self.s += 0.25
             return self.s
 
-    cockpit = Cockpit(hands(Corridor()).guide, Passing())
+    cockpit = Cockpit(teleop(Corridor()).guide, Passing())
     environment = Corridor()
     scripted = MiddleKeeper(environment)
     stand_ins = dict.fromkeys(Actor, scripted)
@@ -294,7 +294,7 @@ def test_a_simulation_that_cannot_hold_stands_still():
         gate,
         rng=np.random.default_rng(0),
         policy=Straight(),
-        expert=OperatedExpert(cockpit, hands(environment), stand_ins),
+        expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
     )
     assert reasons(episode)[3:6] == [Reason.NO_ANSWER] * 3
     assert len(episode) == 12
@@ -314,7 +314,7 @@ def cannot_hold(
     gate: Gate, before: Callable[[Cockpit], object], meanwhile, wait_s=0.0, wrap=True
 ) -> Episode:
     """A run of a simulation that cannot hold; `before` is done once it goes, `meanwhile` then."""
-    cockpit = Impatient(hands(Corridor()).guide, Clock())
+    cockpit = Impatient(teleop(Corridor()).guide, Clock())
     cockpit.script = meanwhile
     environment = Corridor()
     scripted = MiddleKeeper(environment)
@@ -326,7 +326,7 @@ def cannot_hold(
             person if wrap else gate,
             rng=np.random.default_rng(0),
             policy=Straight(),
-            expert=OperatedExpert(cockpit, hands(environment), dict.fromkeys(Actor, scripted)),
+            expert=OperatedExpert(cockpit, teleop(environment), dict.fromkeys(Actor, scripted)),
             listeners=(Page(cockpit, Clock(), {4: before}),),
         )
     finally:
@@ -390,7 +390,7 @@ def test_a_demonstration_by_hand_is_the_persons():
 
 
 def test_discarding_ends_the_episode_at_its_next_step():
-    cockpit = Cockpit(hands(Corridor()).guide)
+    cockpit = Cockpit(teleop(Corridor()).guide)
     environment = OperatedEnvironment(Corridor(), cockpit)
     environment.reset(0)
     cockpit.order(Order.DISCARD, "page")

@@ -49,10 +49,10 @@ def operated_episode(
     seed: int,
 ) -> Episode:
     """A policy that does nothing, a gate that soon asks for a person, and a program that comes."""
-    assert task.hands is not None
-    by_hand = task.hands(inner)
+    assert task.teleop is not None
+    by_hand = task.teleop(inner)
     cockpit = Cockpit(by_hand.guide)
-    can_hold = "hold" in task.stand_ins
+    can_hold = "hold" in task.fallbacks
     scripted = task.expert(inner)
     stand_in = task.make_expert(inner, "hold") if can_hold else scripted
     spec = inner.spec

@@ -18,7 +18,7 @@ from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.operator_message import LONGEST_MESSAGE
 from sheath_manip.dashboard.operator_socket import PATH
 from sheath_manip.dashboard.parts.controls import Controls
-from tests.toy import Corridor, hands
+from tests.toy import Corridor, teleop
 from tests.waiting import eventually
 from tools.station import Station, cookie_of, open_socket
 
@@ -27,7 +27,7 @@ SUBPROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
 
 @pytest.fixture
 def cockpit() -> Cockpit:
-    return Cockpit(hands(Corridor()).guide, paced=True)
+    return Cockpit(teleop(Corridor()).guide, paced=True)
 
 
 @pytest.fixture

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ActionError, UnknownNameError
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.protocols import Environment
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.tasks.table import STUDIES, TASKS
 from sheath_manip.types import Action, Observation, Outcome
 
 SHAPES = {"box", "sphere", "capsule", "cylinder", "ellipsoid", "mesh", "picture"}
@@ -66,14 +65,20 @@ def test_the_entry_is_complete_and_can_be_pickled(name):
     assert entry.name == name
     assert entry.summary
     assert {"default", "final"} <= set(entry.variants)
-    assert {"full", "quick"} <= set(entry.plans)
-    assert all(isinstance(plan, LearningPlan) for plan in entry.plans.values())
-    assert entry.plans["quick"].units() < entry.plans["full"].units()
-    copy = pickle.loads(pickle.dumps(entry))
-    assert copy.name == name
-    assert list(copy.figures) == list(entry.figures)
+    assert pickle.loads(pickle.dumps(entry)).name == name
     with pytest.raises(UnknownNameError, match="default"):
         entry.make("nonesuch")
+
+
+def test_the_study_is_complete_and_can_be_pickled(name):
+    study = STUDIES[name]
+    assert study.task is TASKS[name]
+    assert {"full", "quick"} <= set(study.plans)
+    assert study.plan("quick").units() < study.plan("full").units()
+    copy = pickle.loads(pickle.dumps(study))
+    assert list(copy.figures) == list(study.figures)
+    with pytest.raises(UnknownNameError, match="quick"):
+        study.plan("nonesuch")
 
 
 def test_the_spec_is_consistent(name, environment):

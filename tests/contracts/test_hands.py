@@ -18,7 +18,7 @@ OF_THE_CAMERA = {f"Key{letter}" for letter in "WASDQE"} | {
 """by which viser flies it"""
 
 
-@pytest.fixture(params=[name for name in sorted(TASKS) if TASKS[name].hands], scope="module")
+@pytest.fixture(params=[name for name in sorted(TASKS) if TASKS[name].teleop], scope="module")
 def name(request) -> str:
     return request.param
 
@@ -33,7 +33,7 @@ def environment(name) -> Iterator[Environment]:
 
 @pytest.fixture(scope="module")
 def hands(name, environment) -> Teleop:
-    make = TASKS[name].hands
+    make = TASKS[name].teleop
     assert make is not None
     return make(environment)
 

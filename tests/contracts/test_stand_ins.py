@@ -11,7 +11,7 @@ from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Outcome
 
 SEED = 77
-MEMBERS = [(task, name) for task in sorted(TASKS) for name in sorted(TASKS[task].stand_ins)]
+MEMBERS = [(task, name) for task in sorted(TASKS) for name in sorted(TASKS[task].fallbacks)]
 
 
 @pytest.fixture(params=MEMBERS, ids="-".join, scope="module")

@@ -138,9 +138,9 @@ def test_poses_there_and_back():
 
 
 def test_a_car_and_a_player_by_keys_and_by_gamepad():
-    assert DRIVING.hands is not None
-    assert PLATFORMER.hands is not None
-    wheel, player = DRIVING.hands(None), PLATFORMER.hands(None)
+    assert DRIVING.teleop is not None
+    assert PLATFORMER.teleop is not None
+    wheel, player = DRIVING.teleop(None), PLATFORMER.teleop(None)
     assert isinstance(wheel, ButtonHands)
     left = wheel.action(Given(frozenset({"KeyJ"})))
     assert left[0] == np.float32(np.deg2rad(15.0))

@@ -14,7 +14,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments import learning
 from sheath_manip.experiments.learning import run_experiment
 from tests.run_files import digests, measured
-from tests.toy import CORRIDOR, PLAN
+from tests.toy import PLAN, STUDY
 
 EXPERIMENT = PLAN.changed(
     policy={"name": "hog-svm"},
@@ -30,7 +30,7 @@ EXPERIMENT = PLAN.changed(
 
 def experiment(directory: Path, workers: int, plan=EXPERIMENT, **options) -> dict:
     return run_experiment(
-        CORRIDOR,
+        STUDY,
         plan,
         runs=directory / "runs",
         results=directory / "results",

@@ -11,8 +11,8 @@ from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.signals import SignalChoice
 from sheath_manip.signals.support import SupportSignal
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
-from sheath_manip.tasks.driving import figures
-from sheath_manip.tasks.driving.figures import draw_support, gate_map, pose_scores, support
+from sheath_manip.tasks.driving.study import figures
+from sheath_manip.tasks.driving.study.figures import draw_support, gate_map, pose_scores, support
 from sheath_manip.tasks.driving.task import DrivingTask
 from sheath_manip.tasks.driving.track import Track
 

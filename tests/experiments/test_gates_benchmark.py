@@ -19,7 +19,8 @@ from sheath_manip.experiments.gates.table import tables
 from sheath_manip.policies import EMBEDDINGS, FEATURE_EMBEDDINGS, IMAGE_EMBEDDINGS
 from sheath_manip.support import SUPPORTS
 from tests.experiments.test_figures_generic import assert_shows_something
-from tests.toy import CORRIDOR, PLAN
+from tests.toy import PLAN
+from tests.toy import STUDY as TOY
 
 SMALL = GatesPlan(
     embeddings=("pixels",),
@@ -34,8 +35,8 @@ SMALL = GatesPlan(
     episodes=2,
     held_out=1,
 )
-TASK = replace(
-    CORRIDOR,
+STUDY = replace(
+    TOY,
     plans={
         "full": PLAN.changed(
             policy={"name": "hog-svm"},
@@ -48,7 +49,7 @@ TASK = replace(
 
 def benchmark(directory: Path, workers: int = 0, plan: GatesPlan = SMALL) -> dict:
     return run_gates(
-        [TASK],
+        [STUDY],
         plan,
         runs=directory / "runs",
         results=directory / "results",
@@ -176,7 +177,7 @@ def test_two_processes_give_the_numbers_of_one(whole, tmp_path):
 
 
 def test_the_rows_are_the_product_of_the_tables_the_default_first():
-    learning = TASK.plans["full"]
+    learning = STUDY.plans["full"]
     listed = rows(GatesPlan(), learning)
     assert len(listed) >= len(IMAGE_EMBEDDINGS) * len(SUPPORTS)
     assert listed[0].name == default_name(listed, learning)
@@ -186,7 +187,7 @@ def test_the_rows_are_the_product_of_the_tables_the_default_first():
 
 
 def test_on_a_task_without_images_embeddings_of_features_are_compared():
-    learning = TASK.plans["full"].changed(
+    learning = STUDY.plans["full"].changed(
         gate={"embedding": "features", "precedent_embedding": "features"}
     )
     compared = {row.plan.gate.embedding for row in rows(GatesPlan(), learning)}
@@ -198,7 +199,7 @@ def test_unknown_names_and_tasks_without_probes_are_one_line(tmp_path):
         GatesPlan(embeddings=("magic",))
     with pytest.raises(ParameterError, match="no task has probes"):
         run_gates(
-            [replace(TASK, probes=None)],
+            [replace(STUDY, probes=None)],
             SMALL,
             runs=tmp_path,
             results=tmp_path,
@@ -240,7 +241,7 @@ def test_few_gates_are_told_apart_in_the_figures():
 
 
 def test_the_default_is_a_row_whatever_else_is_asked_for():
-    learning = TASK.plans["full"]
+    learning = STUDY.plans["full"]
     listed = rows(GatesPlan(embeddings=("penultimate",), supports=()), learning)
     names = ["joined", "precedent", "pixels/one-class-svm", "penultimate/one-class-svm"]
     assert [row.name for row in listed] == names

@@ -12,7 +12,8 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments.nu.benchmark import run_nu
 from sheath_manip.experiments.nu.plan import PLANS, NuPlan
 from sheath_manip.experiments.nu.summary import table
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.experiments.study import Study
+from sheath_manip.tasks.table import STUDIES
 from tests.buttons import BUTTONS, PLAN
 from tests.experiments.test_figures_generic import assert_shows_something
 
@@ -21,13 +22,13 @@ LEARNING = PLAN.changed(
     gate={"threshold": {"rule": "boundary"}},
     schedule={"variant": "default", "episodes": 3},
 )
-TASK = replace(BUTTONS, plans={"nu": LEARNING})
+STUDY = Study(BUTTONS, plans={"nu": LEARNING})
 SMALL = NuPlan(nus=(0.05, 0.6))
 
 
 def benchmark(directory: Path, plan: NuPlan = SMALL) -> dict:
     return run_nu(
-        [TASK, replace(BUTTONS, name="takes-no-part")],
+        [STUDY, Study(replace(BUTTONS, name="takes-no-part"))],
         plan,
         runs=directory / "runs",
         results=directory / "results",
@@ -99,9 +100,9 @@ def test_a_plan_that_no_task_has_is_one_line(tmp_path):
 @pytest.mark.parametrize("size", PLANS)
 def test_the_tasks_plans_look_at_the_support_alone(size):
     plans = [
-        task.plans[PLANS[size].learning]
-        for task in TASKS.values()
-        if PLANS[size].learning in task.plans
+        study.plans[PLANS[size].learning]
+        for study in STUDIES.values()
+        if PLANS[size].learning in study.plans
     ]
     assert len(plans) >= 2
     for plan in plans:

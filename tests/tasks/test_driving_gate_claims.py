@@ -5,8 +5,8 @@ from pathlib import Path
 
 from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.gates.plan import PLANS
-from sheath_manip.tasks.driving.entry import DRIVING
-from sheath_manip.tasks.driving.probes import PROBES
+from sheath_manip.tasks.driving.study.entry import STUDY
+from sheath_manip.tasks.driving.study.probes import PROBES
 
 
 def row(costly: float, *signals: str) -> dict:
@@ -26,7 +26,7 @@ def broken(directory: Path, default: dict, *others: dict) -> list[str]:
         "tasks": {
             "driving": {
                 "default": "joined",
-                "learning": DRIVING.plans["full"].described(),
+                "learning": STUDY.plans["full"].described(),
                 "rows": {
                     "joined": default,
                     "convolutions-and-pixels/one-class-svm": {

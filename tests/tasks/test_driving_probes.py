@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.tasks.driving.entry import DRIVING
-from sheath_manip.tasks.driving.probes import COSTLY_REGRET, FRONT_GAP_M, PROBES
+from sheath_manip.tasks.driving.study.probes import COSTLY_REGRET, FRONT_GAP_M, PROBES
 
 
 @pytest.fixture(scope="module")

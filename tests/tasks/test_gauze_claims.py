@@ -10,11 +10,11 @@ from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.json_files import plain
 from sheath_manip.metrics import EpisodeRecord, figures_of
-from sheath_manip.tasks.gauze_cutting.entry import GAUZE_CUTTING
+from sheath_manip.tasks.gauze_cutting.study.entry import STUDY
 from sheath_manip.types import Outcome
 from tests.experiments.round_results import round_result
 
-SETTINGS = GAUZE_CUTTING.plans["full"]
+SETTINGS = STUDY.plans["full"]
 # By method: per mille ruined under the gate, per cent that the last policy frees alone, their IoU.
 GOOD = {
     "cloning": (0, 60, 0.9),
@@ -62,8 +62,8 @@ def broken(directory: Path, wall_s: float = 3600.0, **changed: tuple[float, floa
     )
     (directory / "gauze-cutting").mkdir(parents=True)
     (directory / "gauze-cutting" / "summary.json").write_text(json.dumps(summary))
-    found = verdicts(directory, {"gauze-cutting": GAUZE_CUTTING.claims})
-    assert len(found) == len(GAUZE_CUTTING.claims)
+    found = verdicts(directory, {"gauze-cutting": STUDY.claims})
+    assert len(found) == len(STUDY.claims)
     return [verdict.name for verdict in found if not verdict.holds]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.tasks.gauze_cutting.entry import GAUZE_CUTTING
-from sheath_manip.tasks.gauze_cutting.probes import COSTLY_MM, PROBES
+from sheath_manip.tasks.gauze_cutting.study.probes import COSTLY_MM, PROBES
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.metrics import EpisodeRecord
-from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
+from sheath_manip.tasks.grasp_clutter.study.entry import STUDY
 from sheath_manip.types import Outcome
 from tests.experiments.round_results import round_result
 
@@ -33,7 +33,7 @@ def records(toppled: float, succeeded: float, expert: int, count: int) -> tuple[
 
 
 def broken(directory: Path, plan: str = "full", **changed: tuple[float, float, int]) -> list[str]:
-    settings = GRASP_CLUTTER.plans[plan]
+    settings = STUDY.plans[plan]
     results = {}
     for name, (toppled, alone, expert) in (GOOD | changed).items():
         results[name] = [
@@ -50,8 +50,8 @@ def broken(directory: Path, plan: str = "full", **changed: tuple[float, float, i
     summary = summarise(place, settings, results, records(0, 1, 100, 10), "sheath", 1.0)
     (directory / place).mkdir(parents=True)
     (directory / place / "summary.json").write_text(json.dumps(summary))
-    claims = {"grasp-clutter": GRASP_CLUTTER.claims}
-    claims |= {f"grasp-clutter-{name}": own for name, own in GRASP_CLUTTER.plan_claims.items()}
+    claims = {"grasp-clutter": STUDY.claims}
+    claims |= {f"grasp-clutter-{name}": own for name, own in STUDY.plan_claims.items()}
     found = verdicts(directory, claims)
     assert len(found) == len(claims[place])
     return [verdict.name for verdict in found if not verdict.holds]

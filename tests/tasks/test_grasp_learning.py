@@ -9,7 +9,8 @@ from PIL import Image
 from rich.console import Console
 
 from sheath_manip.experiments.learning import run_experiment
-from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER, make
+from sheath_manip.tasks.grasp_clutter.entry import make
+from sheath_manip.tasks.grasp_clutter.study.entry import STUDY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
 from sheath_manip.tasks.robots.jaco import JACO_WITH_JAW
 
@@ -44,7 +45,7 @@ def test_the_mirrored_arm_does_the_mirrored_thing():
 
 
 def test_a_small_experiment_with_a_film(tmp_path):
-    plan = GRASP_CLUTTER.plans["quick"].changed(
+    plan = STUDY.plans["quick"].changed(
         policy={"settings": {"steps": 4, "warm_steps": 2}},
         comparison={"methods": ("sheath",), "evaluation_episodes": 1, "final_episodes": 1},
         schedule={
@@ -56,7 +57,7 @@ def test_a_small_experiment_with_a_film(tmp_path):
         },
     )
     run_experiment(
-        GRASP_CLUTTER,
+        STUDY,
         plan,
         runs=tmp_path / "runs",
         results=tmp_path / "results",

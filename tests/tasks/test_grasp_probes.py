@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
-from sheath_manip.tasks.grasp_clutter.probes import COSTLY_LEAN, PROBES
+from sheath_manip.tasks.grasp_clutter.study.probes import COSTLY_LEAN, PROBES
 
 
 @pytest.fixture(scope="module")

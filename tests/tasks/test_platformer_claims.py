@@ -10,11 +10,11 @@ from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord
-from sheath_manip.tasks.platformer.entry import PLATFORMER
+from sheath_manip.tasks.platformer.study.entry import STUDY
 from sheath_manip.types import Outcome
 from tests.experiments.round_results import round_result
 
-PLAN = PLATFORMER.plans["full"].changed(
+PLAN = STUDY.plans["full"].changed(
     comparison={"methods": ("dagger", "sheath", "sheath-own-labels")}
 )
 # By method: tiles under the gate, tiles of the policy alone, labels an episode.
@@ -48,8 +48,8 @@ def broken(directory: Path, **changed: tuple[float, float, int]) -> list[str]:
     summary = summarise("platformer", PLAN, results_of(traits), [record(219)], "sheath", 1.0)
     (directory / "platformer").mkdir(parents=True)
     (directory / "platformer" / "summary.json").write_text(json.dumps(summary))
-    found = verdicts(directory, {"platformer": PLATFORMER.claims})
-    assert len(found) == len(PLATFORMER.claims)
+    found = verdicts(directory, {"platformer": STUDY.claims})
+    assert len(found) == len(STUDY.claims)
     return [verdict.name for verdict in found if not verdict.holds]
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from sheath_manip.learning.methods import method_named
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.entry import DRAWN, PLATFORMER, make_stage_of, stage_number
+from sheath_manip.tasks.platformer.study.entry import STUDY
 from sheath_manip.tasks.platformer.task import PlatformerTask
 
 
@@ -40,10 +41,10 @@ def test_the_episodes_of_a_run_share_its_stage_and_nothing_else():
 
 
 def test_the_plans_name_known_variants_and_methods():
-    for plan in PLATFORMER.plans.values():
+    for plan in STUDY.plans.values():
         for variant in (plan.schedule.variant, plan.comparison.final_variant):
             assert variant in {**PLATFORMER.variants, **PLATFORMER.run_variants}
         for name in plan.comparison.methods:
             followed = method_named(name).follows
             assert followed is None or followed in plan.comparison.methods
-    assert len(PLATFORMER.plans["full"].comparison.seeds) == 50
+    assert len(STUDY.plans["full"].comparison.seeds) == 50

@@ -15,8 +15,8 @@ from sheath_manip.gates import AlwaysExpert
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.tasks.platformer.entry import PLATFORMER, make_stage_of
 from sheath_manip.tasks.platformer.expert import PlatformerExpert
-from sheath_manip.tasks.platformer.figures import before_a_gap, scene
 from sheath_manip.tasks.platformer.stage import LEAD_TILES
+from sheath_manip.tasks.platformer.study.figures import before_a_gap, scene
 from sheath_manip.tasks.platformer.task import PlatformerTask
 from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Purpose, Reason
 

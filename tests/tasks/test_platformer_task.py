@@ -8,8 +8,8 @@ import pytest
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.enemies import Enemy
 from sheath_manip.tasks.platformer.features import COLUMNS, ROWS
-from sheath_manip.tasks.platformer.figures import frame, whole_stage
 from sheath_manip.tasks.platformer.game import RADIUS_M, RUN_M_S, Buttons
+from sheath_manip.tasks.platformer.picture import frame, whole_stage
 from sheath_manip.tasks.platformer.stage import LEAD_TILES, LENGTH_TILES, TRAIL_TILES, Block, Stage
 from sheath_manip.tasks.platformer.task import CHOICES, PlatformerTask, Scenario
 from sheath_manip.types import Outcome, Transition

@@ -15,14 +15,21 @@ from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.summary import summarise
 from sheath_manip.experiments.gates.table import tables
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+<<<<<<< HEAD
+from sheath_manip.experiments.study import Study
+from sheath_manip.json_files import write_json
+from sheath_manip.learning.resuming import require_same_plan, without_seeds
+from sheath_manip.rollout.executors import in_stages, run_jobs
+=======
 from sheath_manip.experiments.workers import in_stages, run_jobs
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.task import Task
+>>>>>>> look
 
 
 def run_gates(
-    tasks: Iterable[Task],
+    studies: Iterable[Study],
     plan: GatesPlan,
     *,
     runs: Path,
@@ -36,7 +43,7 @@ def run_gates(
     With `workers` 0 all runs in this process. Returns the summary.
     """
     console = console or Console()
-    probed = {task.name: task for task in tasks if task.probes is not None}
+    probed = {study.name: study for study in studies if study.probes is not None}
     if not probed:
         raise ParameterError("no task has probes to test gates with; wanted at least one")
     for name in plan.tasks or ():

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.experiments.probes import Probes
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_path
@@ -22,7 +23,7 @@ from sheath_manip.types.samples import Samples, samples_from
 class Setting:
     """It travels to worker processes; what it names is read from the disk there."""
 
-    task: Task
+    study: Study
     plan: GatesPlan
     runs: Path
     """of this task"""
@@ -30,19 +31,22 @@ class Setting:
     """of the training run"""
 
     @property
+    def task(self) -> Task:
+        """The study's."""
+        return self.study.task
+
+    @property
     def learning(self) -> LearningPlan:
         """What is demonstrated and fitted; raises UnknownNameError where the task has no such."""
-        if self.plan.learning not in self.task.plans:
-            raise UnknownNameError(f"plan of {self.task.name}", self.plan.learning, self.task.plans)
-        plan = self.task.plans[self.plan.learning]
+        plan = self.study.plan(self.plan.learning)
         return plan.changed(comparison={"seeds": self.plan.seeds})
 
     @property
     def probes(self) -> Probes:
         """What the task puts before a gate."""
-        if self.task.probes is None:
-            raise ParameterError(f"task {self.task.name} has no probes; wanted one that has")
-        return self.task.probes
+        if self.study.probes is None:
+            raise ParameterError(f"task {self.study.name} has no probes; wanted one that has")
+        return self.study.probes
 
     @property
     def directory(self) -> Path:

@@ -13,15 +13,23 @@ from sheath_manip.experiments.nu.figure import draw
 from sheath_manip.experiments.nu.plan import METHOD, NuPlan
 from sheath_manip.experiments.nu.summary import Setting, summarise, table
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+<<<<<<< HEAD
+from sheath_manip.experiments.study import Study
+from sheath_manip.json_files import write_json
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.resuming import require_same_plan, without_seeds
+from sheath_manip.rollout.executors import run_jobs
+=======
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.task import Task
+>>>>>>> look
 
 
 def run_nu(
-    tasks: Iterable[Task],
+    studies: Iterable[Study],
     plan: NuPlan,
     *,
     runs: Path,
@@ -39,9 +47,9 @@ def run_nu(
     """
     console = console or Console()
     settings = [
-        Setting(task, nu, plan.of(task, nu), runs / task.name / f"nu-{nu:g}")
-        for task in tasks
-        if plan.learning in task.plans
+        Setting(study.task, nu, plan.of(study, nu), runs / study.name / f"nu-{nu:g}")
+        for study in studies
+        if plan.learning in study.plans
         for nu in plan.nus
     ]
     if not settings:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.task import Task
 
 METHOD = "sheath"
 
@@ -35,9 +35,9 @@ class NuPlan:
         """As plain values, for summaries."""
         return dataclasses.asdict(self)
 
-    def of(self, task: Task, nu: float) -> LearningPlan:
-        """What runs on `task` for one nu."""
-        plan = task.plans[self.learning].changed(
+    def of(self, study: Study, nu: float) -> LearningPlan:
+        """Return what runs on the study's task for one nu."""
+        plan = study.plans[self.learning].changed(
             gate={"support": {"nu": nu}}, comparison={"methods": (METHOD,)}
         )
         return plan if self.seeds is None else plan.changed(comparison={"seeds": self.seeds})

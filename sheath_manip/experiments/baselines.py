@@ -1,20 +1,22 @@
 """Non-learning baselines, evaluated on the final scenes for comparison.
 
-Such as a way that was planned once and is followed without looking.
+Such as a way that was planned once and is followed without looking. In files they are called
+references.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from sheath_manip.experiments.study import Study
 from sheath_manip.gates import AlwaysExpert
 from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.evaluation import evaluation_requests
 from sheath_manip.metrics import figures_of, record_of
-from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.protocols import Environment, Expert, Listener, Report
 from sheath_manip.rollout.request import Crew
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
@@ -22,20 +24,22 @@ from sheath_manip.task import Task
 
 @dataclass(frozen=True)
 class Baseline:
-    """One of the task's baselines, which learns nothing."""
+    """One of the study's baselines, which learns nothing."""
 
-    name: str
+    make: Callable[[Any], Expert]
+    """from the environment"""
 
     def crew(self, task: Task, environment: Environment) -> Crew:
         """Have it act at every step."""
-        return Crew(AlwaysExpert(), expert=task.references[self.name](environment))
+        del task
+        return Crew(AlwaysExpert(), expert=self.make(environment))
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The job of one of them; resumable."""
+class BaselineJob:
+    """The job of one baseline; resumable."""
 
-    task: Task
+    study: Study
     plan: LearningPlan
     runs: Path
     name: str
@@ -48,14 +52,14 @@ class Reference:
             for _ in range(comparison.final_episodes):
                 report(self.name)
             return
-        run_seed = comparison.seeds[0]
-        environment = self.task.make_for_run(comparison.final_variant, run_seed)
+        run_seed, task = comparison.seeds[0], self.study.task
+        environment = task.make_for_run(comparison.final_variant, run_seed)
         environment.close()
         requests = evaluation_requests(
-            self.task,
+            task,
             comparison.final_variant,
             environment.spec,
-            Baseline(self.name),
+            Baseline(self.study.baselines[self.name]),
             comparison.held_out_set,
             comparison.final_episodes,
             method=self.name,
@@ -66,14 +70,14 @@ class Reference:
         write_json(path, plain(asdict(figures_of(records))))
 
 
-def reference_jobs(task: Task, plan: LearningPlan, runs: Path) -> list[Reference]:
-    """One for each of the task's."""
-    return [Reference(task, plan, runs, name) for name in task.references]
+def baseline_jobs(study: Study, plan: LearningPlan, runs: Path) -> list[BaselineJob]:
+    """Return one job for each baseline of the study."""
+    return [BaselineJob(study, plan, runs, name) for name in study.baselines]
 
 
-def references(task: Task, runs: Path) -> Mapping[str, Any]:
-    """Figures by name, as far as they are there."""
-    paths = {name: _path(runs, name) for name in task.references}
+def baseline_figures(study: Study, runs: Path) -> Mapping[str, Any]:
+    """Return the figures by name, as far as they are there."""
+    paths = {name: _path(runs, name) for name in study.baselines}
     return {name: json.loads(path.read_text()) for name, path in paths.items() if path.exists()}
 
 

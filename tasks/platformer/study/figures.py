@@ -1,13 +1,10 @@
-"""Pictures of the platformer: a player among the tiles, and a whole stage at a glance."""
+"""The platformer's own figures: the draft's Fig. 2, and SHEATH taking over before a gap."""
 
 from functools import partial
 from math import floor
 from pathlib import Path
 
-import mujoco
 import numpy as np
-from dm_control.mujoco import engine
-from numpy.typing import NDArray
 from PIL import Image
 
 from sheath_manip.dataset.naming import episode_name
@@ -22,24 +19,16 @@ from sheath_manip.experiments.figures.replayed import replayed
 from sheath_manip.experiments.figures.style import WIDTH_PX, limited
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
-from sheath_manip.tasks.platformer.stage import LEAD_TILES, LENGTH_TILES
+from sheath_manip.tasks.platformer.picture import film_frame, frame, whole_stage
+from sheath_manip.tasks.platformer.stage import LEAD_TILES
 from sheath_manip.tasks.platformer.task import PlatformerTask
 from sheath_manip.types import Episode, Purpose
 
-VIEW_HEIGHT_M = 14.0
-"""of the overview camera in the world's file"""
 FRAME_HEIGHT_PX, STRIPS = 640, 2
 """of `scene`"""
 COLOURS = 32
 _NEAR_TILES = 5
 """in which a gap begins that one is before"""
-_MARGIN_M = 4.0
-"""before the start and behind the flag"""
-
-
-def film_frame(environment: ComposerEnvironment) -> NDArray[np.uint8]:
-    """(288, 384, 3) RGB for films: 19 tiles, enough to see the gap before the player jumps."""
-    return frame(environment, 384, 288)
 
 
 def scene(
@@ -93,38 +82,3 @@ def write_scene(environment: ComposerEnvironment, path: Path, width_px: int = WI
     ]
     path.parent.mkdir(parents=True, exist_ok=True)
     limited(Image.fromarray(np.concatenate(pictures)), COLOURS).save(path, optimize=True)
-
-
-def frame(
-    environment: ComposerEnvironment, width_px: int = 640, height_px: int = 400
-) -> NDArray[np.uint8]:
-    """(height_px, width_px, 3) RGB of what is around the player, a third from the left (Fig. 2)."""
-    width_m = VIEW_HEIGHT_M * width_px / height_px
-    x_m = float(environment.physics.data.qpos[0])
-    return _picture(environment, x_m + width_m / 6, width_px, height_px)
-
-
-def whole_stage(
-    environment: ComposerEnvironment, width_px: int = 1600, strips: int = 4
-) -> NDArray[np.uint8]:
-    """(h, width_px, 3) RGB of the present stage, cut into strips one below the other."""
-    width_m = (LENGTH_TILES + 2 * _MARGIN_M) / strips
-    height_px = round(width_px * VIEW_HEIGHT_M / width_m)
-    pictures = [
-        _picture(environment, (number + 0.5) * width_m - _MARGIN_M, width_px, height_px)
-        for number in range(strips)
-    ]
-    # A dark line between two strips.
-    return np.concatenate([np.pad(each, ((0, 4), (0, 0), (0, 0))) for each in pictures])
-
-
-def _picture(
-    environment: ComposerEnvironment, middle_x_m: float, width_px: int, height_px: int
-) -> NDArray[np.uint8]:
-    """From the side, the whole height of a stage."""
-    physics = environment.physics
-    model, data = physics.model.ptr, physics.data.ptr
-    model.cam_pos[model.camera("overview").id, 0] = middle_x_m
-    mujoco.mj_camlight(model, data)
-    camera = engine.Camera(physics, height=height_px, width=width_px, camera_id="overview")
-    return camera.render().copy()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sheath_manip.experiments.probes import Displacement, Probes
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.expert import DrivingExpert
-from sheath_manip.tasks.driving.gate_claims import CLAIMS
+from sheath_manip.tasks.driving.study.gate_claims import CLAIMS
 from sheath_manip.tasks.driving.task import TRAFFIC_SPEED_M_S, DrivingTask
 from sheath_manip.types import Action, Observation
 

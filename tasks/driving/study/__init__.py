@@ -1,0 +1,1 @@
+"""Driving as an experiment: its plans, probes, figures and claims."""

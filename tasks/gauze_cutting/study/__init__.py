@@ -1,0 +1,1 @@
+"""Gauze cutting as an experiment: its plans, probes, figures and claims."""

@@ -1,0 +1,1 @@
+"""Grasping in clutter as an experiment: its plans, probes, figures and claims."""

@@ -1,0 +1,1 @@
+"""The platformer as an experiment: its plans, probes, figures and claims."""
