@@ -80,13 +80,10 @@ class Checkpoints:
                 policy = self._fresh_policy(plan).load(learned)
             config = plan.gate
             if config.kind not in LOOKING:
-                return replace(
-                    first,
-                    policy=policy,
-                    policy_name=plan.policy.name,
-                    fitted=replace(first.fitted, config=config, policy=policy, signal=None),
-                )
-            if config.fitted_like(self.plan.gate):
+                # Without the threshold of the gate that all others begin with.
+                fitted = FittedGate(config, policy, sources=first.fitted.sources)
+                return replace(first, policy=policy, policy_name=plan.policy.name, fitted=fitted)
+            if first.fitted.signal is not None and config.fitted_like(self.plan.gate):
                 return replace(first, fitted=replace(first.fitted, config=config))
             return self._with_gate(plan, policy, states, names)
 

@@ -32,7 +32,7 @@ def requests(count: int, driver: Driver | None = None) -> list[EpisodeRequest]:
         EpisodeInfo("corridor", 100 + index, Purpose.DEMONSTRATION, STEPS_HZ, "expert", index=index)
         for index in range(count)
     ]
-    return [EpisodeRequest(CORRIDOR, "default", info, driver or ExpertAlone()) for info in infos]
+    return [EpisodeRequest(CORRIDOR, info, driver or ExpertAlone()) for info in infos]
 
 
 def digest(store: EpisodeStore) -> str:
@@ -58,7 +58,9 @@ def serial(tmp_path_factory) -> str:
     return digest(store)
 
 
-@pytest.mark.parametrize("workers", [1, 2, 4])
+@pytest.mark.parametrize(
+    "workers", [2, *(pytest.param(count, marks=pytest.mark.soak) for count in (1, 4))]
+)
 def test_so_many_processes_give_the_same_bytes_in_any_order(tmp_path, serial, workers):
     store = EpisodeStore.create(tmp_path)
     shuffled = random.Random(workers).sample(requests(6), 6)
