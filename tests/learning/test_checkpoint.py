@@ -141,7 +141,7 @@ def test_where_a_schedule_or_a_person_decides_nothing_is_fitted_and_nothing_scor
         loaded = load_checkpoint(saved.save(tmp_path / f"{kind}.npz"), SPEC)
         assert loaded.fitted.signal is None
         assert np.isnan(loaded.threshold)
-        loaded.gate(expert_share=0.5)
+        loaded.gate()
         with pytest.raises(ParameterError, match=f"kind '{kind}' looks at no signal"):
             loaded.fitted.scores(held_out())
     human = load_checkpoint(tmp_path / "human.npz", SPEC).gate()
