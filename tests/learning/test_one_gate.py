@@ -9,8 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.cli.adjusting import adjusted
-from sheath_manip.cli.entry import run_command
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.gates.loop import GateOfRow
 from sheath_manip.experiments.gates.plan import GatesPlan
@@ -22,13 +20,12 @@ from sheath_manip.learning.methods import METHODS
 from sheath_manip.learning.results import round_path
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.protocols import Environment
-from sheath_manip.rollout import serial
-from sheath_manip.rollout.discarding import draws_of
 from sheath_manip.rollout.executor import unheard
 from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
-from sheath_manip.types import Actor, Episode, GateDecision, Purpose, Reason
+from sheath_manip.types import Actor, Episode, Purpose, Reason
+from tests.deciding import decided, of_the_page, of_the_run, recorded
 from tests.toy import CORRIDOR, PLAN
 
 # What is followed comes first.
@@ -107,56 +104,6 @@ def learned(tmp_path_factory) -> Learned:
 @pytest.fixture
 def corridor() -> Environment:
     return CORRIDOR.make()
-
-
-def told(decision: GateDecision) -> tuple:
-    return (
-        decision.actor,
-        decision.query,
-        decision.reason,
-        *(repr(float(number)) for number in (decision.score, decision.threshold)),
-    )
-
-
-def recorded(episode: Episode) -> list[tuple]:
-    return [told(step.decision) for step in episode.steps]
-
-
-def decided(driver: Driver, task: Task, environment: Environment, episode: Episode) -> list[tuple]:
-    """What the driver's gate says of the recorded observations, as the loop would ask it."""
-    crew = driver.crew(task, environment)
-    assert crew.policy is not None
-    environment.reset(episode.info.seed)
-    rng = draws_of(episode.info)
-    crew.policy.reset(rng.spawn(1)[0])
-    crew.gate.reset(rng)
-    said = []
-    for step in episode.steps:
-        # A person who watches knows what the expert would do, which looks at the physics.
-        environment.restore(step.state)
-        proposal = crew.policy.propose(step.observation.alone)
-        said.append(told(crew.gate.decide(step.observation, proposal)))
-    return said
-
-
-def of_the_run(task: Task, path: Path, patch: pytest.MonkeyPatch) -> Driver:
-    """What `sheath run` lets drive; nothing is run."""
-    asked: list[EpisodeRequest] = []
-
-    class Asked(SerialExecutor):
-        def map(self, requests, *others, **options) -> Iterator[Episode]:  # noqa: ARG002
-            asked.extend(requests)
-            yield from ()
-
-    patch.setattr(serial, "SerialExecutor", Asked)
-    argv = ["run", task.name, "--checkpoint", str(path), "--episodes", "1"]
-    assert run_command(lambda: {task.name: task}, argv) == 0
-    return asked[0].driver
-
-
-def of_the_page(path: Path, environment: Environment) -> Driver:
-    checkpoint = load_checkpoint(path, environment.spec)
-    return adjusted(path, checkpoint, None, environment.spec).driver
 
 
 def of_the_benchmark(task: Task, path: Path, environment: Environment, runs: Path) -> Driver:

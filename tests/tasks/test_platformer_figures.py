@@ -45,7 +45,9 @@ def test_a_demonstration_is_shown_in_the_middle_and_its_frames_from_its_states(t
     checkpoint = SimpleNamespace(run_seed=3)
     with pytest.raises(NothingToShowError, match="no demonstrations of seed 3"):
         scene(store, checkpoint, environment, path)  # type: ignore[arg-type]
-    info = EpisodeInfo("platformer", 5, Purpose.DEMONSTRATION, 24.0, "expert", run_seed=3)
+    info = EpisodeInfo(
+        "platformer", 5, Purpose.DEMONSTRATION, 24.0, "expert", run_seed=3, variant="stage"
+    )
     episode = rollout(
         environment,
         info,
