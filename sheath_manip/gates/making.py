@@ -1,7 +1,6 @@
 """The one way from what was fitted to a gate: for training, running, benchmarks and pages alike."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.constant import AlwaysExpert
@@ -14,35 +13,21 @@ from sheath_manip.gates.takeover import RandomTakeover
 from sheath_manip.protocols import Gate
 
 
-@dataclass(frozen=True)
-class Given:
-    """What a gate may need beside what was fitted."""
-
-    expert_share: float
-    """with which the expert acts under a schedule, in 0..1"""
-    person: Person
-    """who may take over where a gate leaves that to a person"""
-
-
-def make_gate(
-    fitted: FittedGate, *, expert_share: float | None = None, person: Person | None = None
-) -> Gate:
+def make_gate(fitted: FittedGate, *, person: Person | None = None) -> Gate:
     """Return a fresh gate of the kind that `fitted.config` names; raises UnknownNameError.
 
     Args:
         fitted: settings, signal and threshold.
-        expert_share: of the settings where it is None.
-        person: nobody where it is None.
+        person: who may take over where a gate leaves that to a person; nobody where it is None.
     """
     config = fitted.config
     if config.kind not in GATES:
         raise UnknownNameError("kind of gate", config.kind, GATES)
-    share = config.expert_share if expert_share is None else expert_share
-    return GATES[config.kind](fitted, Given(share, person or Nobody()))
+    return GATES[config.kind](fitted, person or Nobody())
 
 
-def _support(fitted: FittedGate, given: Given) -> Gate:
-    del given
+def _support(fitted: FittedGate, person: Person) -> Gate:
+    del person
     config = fitted.config
     return SupportGate(
         fitted,
@@ -54,16 +39,16 @@ def _support(fitted: FittedGate, given: Given) -> Gate:
     )
 
 
-GATES: dict[str, Callable[[FittedGate, Given], Gate]] = {
+GATES: dict[str, Callable[[FittedGate, Person], Gate]] = {
     "support": _support,
     "query-filter": lambda fitted, _: QueryFilter(fitted, fitted.threshold),
     "expert": lambda *_: AlwaysExpert(),
-    "mixture": lambda _, given: Mixture(given.expert_share),
-    "random-takeover": lambda fitted, given: RandomTakeover(
-        given.expert_share, query=fitted.config.labels == "all"
+    "mixture": lambda fitted, _: Mixture(fitted.config.expert_share),
+    "random-takeover": lambda fitted, _: RandomTakeover(
+        fitted.config.expert_share, query=fitted.config.labels == "all"
     ),
-    "human": lambda _, given: HumanGate(given.person),
+    "human": lambda _, person: HumanGate(person),
 }
-"""Called with what was fitted, and what else there is."""
+"""Called with what was fitted, and the person who may take over."""
 LOOKING = ("support", "query-filter")
 """the kinds that judge by a signal: for the others none is fitted"""

@@ -22,7 +22,7 @@ from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 from sheath_manip.types import EpisodeInfo, Purpose
 from tests.toy import CORRIDOR
-from tests.waiting import DEADLINE_S
+from tests.waiting import DEADLINE_S, eventually
 
 STEPS_HZ = 50.0
 
@@ -32,7 +32,7 @@ def requests(count: int, driver: Driver | None = None) -> list[EpisodeRequest]:
         EpisodeInfo("corridor", 100 + index, Purpose.DEMONSTRATION, STEPS_HZ, "expert", index=index)
         for index in range(count)
     ]
-    return [EpisodeRequest(CORRIDOR, "default", info, driver or ExpertAlone()) for info in infos]
+    return [EpisodeRequest(CORRIDOR, info, driver or ExpertAlone()) for info in infos]
 
 
 def digest(store: EpisodeStore) -> str:
@@ -58,7 +58,9 @@ def serial(tmp_path_factory) -> str:
     return digest(store)
 
 
-@pytest.mark.parametrize("workers", [1, 2, 4])
+@pytest.mark.parametrize(
+    "workers", [2, *(pytest.param(count, marks=pytest.mark.soak) for count in (1, 4))]
+)
 def test_so_many_processes_give_the_same_bytes_in_any_order(tmp_path, serial, workers):
     store = EpisodeStore.create(tmp_path)
     shuffled = random.Random(workers).sample(requests(6), 6)
@@ -148,6 +150,32 @@ def test_an_error_in_a_worker_is_told_in_one_line(tmp_path):
 def test_an_episode_that_kills_every_worker_is_given_up():
     with ProcessExecutor(1) as executor, pytest.raises(WorkerError, match=r"lost 3 workers.*-9"):
         list(executor.map(requests(1, Failing(deadly=True))))
+
+
+def test_what_cannot_be_pickled_is_told_and_the_next_is_run():
+    def unnamed(environment):
+        return CORRIDOR.expert(environment)
+
+    (request,) = requests(1)
+    with ProcessExecutor(1) as executor:
+        unsendable = replace(request, task=replace(CORRIDOR, expert=unnamed))
+        with pytest.raises(WorkerError, match=r"cannot be sent to a worker.*unnamed.*wanted a dr"):
+            list(executor.map([unsendable]))
+        assert len(list(executor.map([request]))) == 1
+
+
+def test_closed_in_the_midst_whoever_waits_is_told(tmp_path):
+    executor = ProcessExecutor(1)
+
+    def close_once_it_runs() -> None:
+        eventually(lambda: any(tmp_path.iterdir()))
+        executor.close()
+
+    closing = threading.Thread(target=close_once_it_runs)
+    closing.start()
+    with pytest.raises(WorkerError, match="the executor was closed"):
+        list(executor.map(requests(2, Slow(tmp_path))))
+    closing.join()
 
 
 def test_closing_ends_the_workers_and_nothing_more_is_taken():
