@@ -1,36 +1,52 @@
-"""How much sooner the gate's support scores and is fitted than scikit-learn's one-class SVM.
+"""What a gate costs: its support against scikit-learn's one-class SVM, and its step against none.
 
     python -m tools.bench_gate [--quick] [--results DIRECTORY]
 
-writes bench-gate.json, which `sheath claims` reads. Times are of the CPU on one thread, so that
-other processes matter little; both sides of a ratio take turns within one run, and it is that of
-their medians. A batch alone is timed by the clock and with the threads that numpy takes when it is
-left alone, as a user gets it, so leave the machine idle; its line tells what one thread does as
-well. --quick takes other sizes, to see that it runs.
+writes bench-gate.json, which `sheath claims` reads. A step under a gate is one look of the policy
+and the gate's judgement of that look; without it is the look alone, with policy and gate of the
+task's plan `full`, fitted to fewer demonstrations than that has.
+
+Times are of the CPU on one thread, so that other processes matter little; both sides of a ratio
+take turns within one run, and it is that of their medians. A batch alone is timed by the clock and
+with the threads that numpy takes when it is left alone, as a user gets it, so leave the machine
+idle; its line tells what one thread does as well. --quick takes other sizes, to see that it runs.
 """
 
 import multiprocessing
 import os
 import resource
+import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.svm import OneClassSVM
 from threadpoolctl import threadpool_limits
 
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.run import LearningRun
+from sheath_manip.protocols import Gate
+from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.support.one_class_svm import OneClassSupport
+from sheath_manip.tasks.table import STUDIES, TASKS
+from sheath_manip.types import Observation, Purpose
 from tools.bench import Clock, Line, at_least, at_most, medians, run_bench, spent_s
 
 NU = 0.1
 SCORE_DIMENSIONS, FIT_DIMENSIONS, MANIFOLD_DIMENSIONS = 128, 64, 6
 # Scores are float32's: within this of the boundary, in units of the sum of duals, a sign is noise.
 BAND = 1e-6
+TAUGHT = {"driving": {"epochs": 1}, "grasp-clutter": {"steps": 20}}
+"""by task, how long its policy is trained: what a look costs does not depend on it"""
+JUDGED_STATES = 50
+"""looked at and judged in a turn"""
 
 
 @dataclass(frozen=True)
@@ -45,9 +61,21 @@ class Sizes:
     points: int = 20_000
     fit_rounds: int = 3
     many_points: int = 200_000
+    demonstrations: int = 30
+    held_out: int = 5
+    """expert episodes that the gate is calibrated on"""
 
 
-QUICK = Sizes((200, 500), score_rounds=3, calls=5, points=5_200, fit_rounds=1, many_points=5_500)
+QUICK = Sizes(
+    (200, 500),
+    score_rounds=3,
+    calls=5,
+    points=5_200,
+    fit_rounds=1,
+    many_points=5_500,
+    demonstrations=3,
+    held_out=3,
+)
 
 
 def manifold(rng: np.random.Generator, count: int, width: int) -> NDArray[np.float64]:
@@ -191,9 +219,61 @@ def large_lines(sizes: Sizes) -> dict[str, Line]:
     }
 
 
+def judged_lines(sizes: Sizes) -> dict[str, Line]:
+    """One step's look and judgement against the look alone, by task."""
+    lines = {}
+    for name in TAUGHT:
+        with tempfile.TemporaryDirectory() as folder:
+            checkpoint, states, seen = fitted(name, Path(folder), sizes)
+        alone, judged = medians(
+            partial(act, checkpoint, seen),
+            partial(act_and_score, checkpoint, checkpoint.gate(), seen),
+            sizes.score_rounds,
+        )
+        signal = checkpoint.fitted.config.signal
+        how = (
+            f"{signal}, {states} training states, {1e3 * judged / len(seen):.2f} ms of CPU a step "
+            f"against {1e3 * alone / len(seen):.2f}, in turns of {len(seen)} steps"
+        )
+        lines[f"act and score, {name}"] = at_most(judged / alone, 1.6, "times a bare act", how)
+    return lines
+
+
+def act(checkpoint: Checkpoint, seen: Sequence[Observation]) -> None:
+    """Look at each state."""
+    for observation in seen:
+        checkpoint.policy.propose(observation.alone)
+
+
+def act_and_score(checkpoint: Checkpoint, gate: Gate, seen: Sequence[Observation]) -> None:
+    """Look at each state, and judge what was proposed there."""
+    for observation in seen:
+        gate.decide(observation, checkpoint.policy.propose(observation.alone))
+
+
+def fitted(name: str, folder: Path, sizes: Sizes) -> tuple[Checkpoint, int, list[Observation]]:
+    """Policy and gate of the task's plan `full`, to how many states, and new ones to judge."""
+    full = STUDIES[name].plan("full")
+    plan = full.changed(
+        policy={"settings": {**full.policy.settings, **TAUGHT[name]}},
+        schedule={
+            "demonstrations": sizes.demonstrations,
+            "calibration": sizes.held_out,
+            "false_alarm_episodes": 1,
+        },
+    )
+    store = EpisodeStore.create(folder / "store")
+    with SerialExecutor() as executor:
+        start = LearningRun(TASKS[name], plan, 0, folder, store, executor).start()
+    steps = [step for each in store.episodes(Purpose.CALIBRATION) for step in each.steps]
+    chosen = np.linspace(0, len(steps) - 1, JUDGED_STATES).astype(int)
+    seen = [steps[place].observation for place in chosen]
+    return start.checkpoint, len(start.demonstrations), seen
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print a line a number, write the file."""
-    measures = score_lines, fit_lines, large_lines
+    measures = score_lines, fit_lines, large_lines, judged_lines
     run_bench("gate", __doc__, measures, Sizes(), QUICK, arguments)
 
 

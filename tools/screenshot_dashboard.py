@@ -24,13 +24,12 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Page
 from rich.console import Console
-from sheath_manip.threads import single_threaded
 
 from sheath_manip.cli.adjusting import Adjusting, adjusted
 from sheath_manip.cli.episodes import run_all
 from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
-from sheath_manip.cli.session import Session
+from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
@@ -45,10 +44,11 @@ from sheath_manip.protocols import Environment
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.rollout.workplace import Workplace
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.tasks.table import STUDIES, TASKS
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step, TaskSpec
 from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
@@ -134,7 +134,8 @@ class Subject:
 
 def trained(task: Task, folder: Path) -> tuple[Path, Path]:
     """A policy and its gate from a few demonstrations: their file, and the store."""
-    plan = task.plans["quick"].changed(
+    quick = STUDIES[task.name].plan("quick")
+    plan = quick.changed(
         schedule={"false_alarm_episodes": 1},
         comparison={"evaluation_episodes": 1, "final_episodes": 1},
     )
@@ -220,12 +221,12 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
 def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
     """The page of a run whose expert is a person: as the robot asks, and as a person drives."""
     task, adjusting = subject.task, subject.adjusting
-    if task.hands is None or adjusting is None:
+    if task.teleop is None or adjusting is None:
         return
     operating = Operating(wait_s=60.0)
     shown: Future[Cockpit] = Future()
     addresses: list[str] = []
-    session = Session(lambda: {}, "", *(Console(file=io.StringIO()) for _ in range(2)))
+    session = Session(lambda: Catalog({}, {}), "", *(Console(file=io.StringIO()) for _ in range(2)))
 
     def drive() -> None:
         with (

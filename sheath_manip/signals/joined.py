@@ -7,6 +7,7 @@ of significance tests', lets one signal count more than another.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -24,6 +25,28 @@ LEAST_SHARE = 1e-3
 TAIL = 0.05
 """below the lowest score of the expert an exponential tail goes on as steeply as p falls from this
 quantile to the lowest score, so that what is farther out ranks lower"""
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """How the scores of held-out expert steps lie, to say how rare another one is."""
+
+    scores: NDArray[np.float64]
+    """(m,) sorted"""
+    spread: float
+    """from the lowest to the TAIL quantile: found once, since it takes longer than all the rest"""
+
+    @classmethod
+    def of(cls, scores: NDArray[np.float64]) -> Self:
+        """Measure how (m,) sorted `scores` lie; m is at least 1."""
+        return cls(scores, max(float(np.quantile(scores, TAIL)) - scores[0], 1e-12))
+
+    def log_share(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n,) the logarithm of the share of the m that is below each of (n,) `scores`."""
+        share = np.searchsorted(self.scores, scores, side="left") / len(self.scores)
+        beyond = np.minimum((scores - self.scores[0]) / self.spread, 0.0)
+        logs = np.log(share + LEAST_SHARE) + np.log(TAIL / LEAST_SHARE) * beyond
+        return np.where(np.isnan(scores), np.nan, logs)
 
 
 class JoinedSignal:
@@ -85,7 +108,7 @@ class JoinedSignal:
         A step without a score, or with -inf, says nothing of how the others lie and is left out.
         """
         together = np.concatenate([np.empty((0, len(self.signals))), *measures])
-        self.references_ = {}
+        self.references_: dict[str, Reference] = {}
         for name, scores in zip(self.signals, together.T, strict=True):
             known = np.sort(scores[np.isfinite(scores)])
             if len(known) < 1 / TAIL:
@@ -93,7 +116,7 @@ class JoinedSignal:
                     f"signal {name!r} scores {len(known)} steps of {len(measures)} held-out "
                     f"episodes; wanted at least {round(1 / TAIL)} to compare others with"
                 )
-            self.references_[name] = known
+            self.references_[name] = Reference.of(known)
         return self
 
     def scores(self, measures: NDArray) -> NDArray[np.float64]:
@@ -103,7 +126,7 @@ class JoinedSignal:
     def parts(self, measures: NDArray) -> Mapping[str, NDArray[np.float64]]:
         """(n,) what each signal adds to the score, by name."""
         return {
-            name: self.weights[name] * log_share(scores, self.references_[name])
+            name: self.weights[name] * self.references_[name].log_share(scores)
             for name, scores in zip(self.signals, measures.T, strict=True)
         }
 
@@ -117,7 +140,7 @@ class JoinedSignal:
     def arrays(self) -> Arrays:
         """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""
         learned = {name: signal.arrays() for name, signal in self.signals.items()}
-        references = {f"reference/{name}": scores for name, scores in self.references_.items()}
+        references = {f"reference/{name}": each.scores for name, each in self.references_.items()}
         return {**prefixed(learned), **references}
 
     def load(self, arrays: Arrays) -> Self:
@@ -125,15 +148,7 @@ class JoinedSignal:
         for name, signal in self.signals.items():
             signal.load(part(arrays, name))
         references = part(arrays, "reference")
-        self.references_ = {name: np.asarray(references[name], float) for name in self.signals}
+        self.references_ = {
+            name: Reference.of(np.asarray(references[name], float)) for name in self.signals
+        }
         return self
-
-
-def log_share(scores: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n,) the logarithm of the share of (m,) sorted `reference` scores below each of (n,)."""
-    share = np.searchsorted(reference, scores, side="left") / len(reference)
-    lowest = reference[0]
-    spread = float(np.quantile(reference, TAIL)) - lowest
-    beyond = np.minimum((scores - lowest) / max(spread, 1e-12), 0.0)
-    logs = np.log(share + LEAST_SHARE) + np.log(TAIL / LEAST_SHARE) * beyond
-    return np.where(np.isnan(scores), np.nan, logs)

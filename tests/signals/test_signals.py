@@ -13,7 +13,7 @@ from sheath_manip.policies.features import Features
 from sheath_manip.policies.looking import look
 from sheath_manip.protocols import Refits, Signal, TrainablePolicy
 from sheath_manip.signals import SIGNALS, SignalChoice, make_signal
-from sheath_manip.signals.joined import JoinedSignal, log_share
+from sheath_manip.signals.joined import JoinedSignal, Reference
 from sheath_manip.signals.margin import MarginSignal
 from sheath_manip.signals.precedent import PrecedentSignal
 from sheath_manip.signals.trust import TrustSignal
@@ -195,14 +195,14 @@ def test_a_margin_is_by_how_much_the_best_choice_beats_the_second():
 def test_the_share_falls_with_the_score_and_on_below_all_that_was_seen():
     reference = np.sort(np.random.default_rng(0).normal(size=1000))
     scores = np.linspace(-20, 4, 400)
-    logs = log_share(scores, reference)
+    logs = Reference.of(reference).log_share(scores)
     assert (np.diff(logs) >= 0).all()
     assert (np.diff(logs[scores < reference[0]]) > 0).all()
     assert logs[-1] == pytest.approx(0, abs=0.01)
-    assert np.isnan(log_share(np.array([np.nan]), reference)).all()
-    assert log_share(np.array([-np.inf]), reference)[0] == -np.inf
+    assert np.isnan(Reference.of(reference).log_share(np.array([np.nan]))).all()
+    assert Reference.of(reference).log_share(np.array([-np.inf]))[0] == -np.inf
     # A tenth of the expert's own steps lie below this one.
-    tenth = log_share(np.array([np.quantile(reference, 0.1)]), reference)
+    tenth = Reference.of(reference).log_share(np.array([np.quantile(reference, 0.1)]))
     assert tenth[0] == pytest.approx(np.log(0.1), abs=0.02)
 
 
