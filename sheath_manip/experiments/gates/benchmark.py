@@ -15,17 +15,10 @@ from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.summary import summarise
 from sheath_manip.experiments.gates.table import tables
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
-<<<<<<< HEAD
 from sheath_manip.experiments.study import Study
-from sheath_manip.json_files import write_json
-from sheath_manip.learning.resuming import require_same_plan, without_seeds
-from sheath_manip.rollout.executors import in_stages, run_jobs
-=======
 from sheath_manip.experiments.workers import in_stages, run_jobs
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
-from sheath_manip.task import Task
->>>>>>> look
 
 
 def run_gates(
