@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.exceptions import RegistrationError, UnknownNameError
+from sheath_manip.dataset.exchange.formats import FORMATS, open_file
+from sheath_manip.exceptions import ParameterError, RegistrationError, UnknownNameError
 from sheath_manip.gates.making import GATES
 from sheath_manip.learning.methods import METHODS
 from sheath_manip.policies import EMBEDDINGS, POLICIES
@@ -15,7 +16,7 @@ from sheath_manip.signals import SIGNALS
 from sheath_manip.support import SUPPORTS
 from sheath_manip.tasks.table import STUDIES, TASKS
 
-TABLES = (GATES, METHODS, EMBEDDINGS, POLICIES, SIGNALS, SUPPORTS, STUDIES, TASKS)
+TABLES = (FORMATS, GATES, METHODS, EMBEDDINGS, POLICIES, SIGNALS, SUPPORTS, STUDIES, TASKS)
 GROUP = "sheath.numbers"
 
 
@@ -43,6 +44,11 @@ def numbers(tmp_path, monkeypatch):
 def test_every_member_of_the_house_is_there(table):
     for name in table.own:
         assert table[name] is table[name]
+
+
+def test_a_format_that_is_only_written_says_so(tmp_path):
+    with pytest.raises(ParameterError, match="nothing is read of minari"):
+        open_file("minari", tmp_path)
 
 
 def test_members_of_packages_are_listed_after_the_houses(numbers, tmp_path):

@@ -32,6 +32,7 @@ class Tables:
         for task in session.tasks():
             session.out.print(_described(session.study(task.name)))
         # Only now: torch takes seconds to import.
+        from sheath_manip.dataset.exchange.formats import FORMATS
         from sheath_manip.gates.making import GATES
         from sheath_manip.learning.methods import METHODS
         from sheath_manip.policies import EMBEDDINGS, POLICIES
@@ -50,6 +51,7 @@ class Tables:
                     "supports": ", ".join(SUPPORTS),
                     "threshold rules": ", ".join(THRESHOLD_RULES),
                     "gates": ", ".join(GATES),
+                    "formats": ", ".join(FORMATS),
                     "methods": "\n".join(f"{m.name}: {m.summary}" for m in methods.values()),
                 },
             )
