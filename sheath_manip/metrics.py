@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from sheath_manip.types import Actor, Episode, Outcome, intervened
+from sheath_manip.types import Episode, Outcome
 
 CONFIDENCE = 0.95
 
@@ -47,30 +47,26 @@ class Figures:
 
 
 def record_of(episode: Episode) -> EpisodeRecord:
-    """The figures of one episode."""
-    actors = [step.decision.actor for step in episode.steps]
-    expert = np.array([actor.in_place_of_policy for actor in actors])
-    by_policy = np.array([actor is Actor.POLICY for actor in actors])
-    interventions = np.array([intervened(episode.info, step) for step in episode.steps])
+    """Return the figures of one episode."""
+    columns = episode.columns
     return EpisodeRecord(
         seed=episode.info.seed,
         outcome=episode.outcome,
         metrics=dict(episode.metrics),
         steps=len(episode),
-        expert_steps=int(expert.sum()),
-        queries=sum(step.label is not None for step in episode.steps),
-        hold_steps=sum(actor is Actor.HOLD for actor in actors),
-        switches=int(np.count_nonzero(np.diff(by_policy.astype(int)))),
-        interventions=len(runs_of(interventions)),
-        limited_steps=sum(bool(step.limited) for step in episode.steps),
+        expert_steps=int(columns.in_place_of_policy.sum()),
+        queries=int(columns.has_label.sum()),
+        hold_steps=int(columns.held.sum()),
+        switches=int(np.count_nonzero(np.diff(columns.by_policy.astype(int)))),
+        interventions=len(runs_of(columns.intervention)),
+        limited_steps=int(columns.limited.sum()),
     )
 
 
 def runs_of(mask: np.ndarray) -> list[tuple[int, int]]:
     """Return each run of true values in (n,) `mask` as (first, first after it).
 
-    Of the steps in which somebody else than the policy acts these are the interventions: the one
-    definition for tables, stores, pages and results.
+    Of `Columns.intervention` these are the interventions.
     """
     edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
     return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]

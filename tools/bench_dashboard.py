@@ -11,19 +11,18 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
-from sheath_manip.cockpit.expert import OperatedExpert
 
-from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.cockpit import Cockpit, Order, beside_the_policy
 from sheath_manip.cockpit.gate import PersonGate
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy
-from sheath_manip.protocols import Expert, Gate, Listener
-from sheath_manip.rollout.loop import rollout
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.rollout.loop import NOBODY, rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.expert import DrivingExpert
@@ -32,7 +31,16 @@ from sheath_manip.tasks.driving.task import Scenario as DrivingScenario
 from sheath_manip.tasks.grasp_clutter.entry import drive_of, hold, teleop
 from sheath_manip.tasks.grasp_clutter.task import GraspTask
 from sheath_manip.tasks.grasp_clutter.task import Scenario as GraspScenario
-from sheath_manip.types import Actor, EpisodeInfo, Observation, Purpose, Reason, Step
+from sheath_manip.types import (
+    Actor,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Proposal,
+    Purpose,
+    Reason,
+    Step,
+)
 from tools.bench import Line, at_most, run_bench
 from tools.page_client import page_clients
 from tools.scripted_person import Absent
@@ -95,7 +103,15 @@ class Taking:
         return periods[within & ~watched], periods[within & watched]
 
 
-def run_until_enough(environment, gate: Gate, expert: Expert, listeners, policy=None) -> None:
+def run_until_enough(
+    environment: Environment,
+    gate: Gate,
+    listeners: Sequence[Listener],
+    *,
+    policy: Policy | None = None,
+    expert: Expert | None = None,
+    others: Mapping[Actor, Expert] = NOBODY,
+) -> None:
     """Episode after episode until a listener has seen enough."""
     spec = environment.spec
     try:
@@ -107,6 +123,7 @@ def run_until_enough(environment, gate: Gate, expert: Expert, listeners, policy=
                 rng=np.random.default_rng(index),
                 policy=policy,
                 expert=expert,
+                others=others,
                 listeners=listeners,
             )
     except EnoughError:
@@ -121,7 +138,8 @@ def loop_period(sizes: Sizes) -> dict[str, Line]:
         page_clients(page.address, READERS, STALLED),
     ):
         taking = Taking(page, sizes.block, sizes.rounds)
-        run_until_enough(environment, AlwaysExpert(), hold(environment), (Pacing(), taking))
+        expert = hold(environment)
+        run_until_enough(environment, AlwaysExpert(), (Pacing(), taking), expert=expert)
     environment.close()
     alone_s, watched_s = taking.periods_s()
     p99 = np.percentile(watched_s, 99) / np.percentile(alone_s, 99)
@@ -181,7 +199,7 @@ def seen(environment: ComposerEnvironment, expert: Expert, count: int) -> list[S
                 raise EnoughError
 
     notes = Notes(None, 1, 1)  # pyright: ignore[reportArgumentType]
-    run_until_enough(environment, AlwaysExpert(), expert, (notes,))
+    run_until_enough(environment, AlwaysExpert(), (notes,), expert=expert)
     return steps
 
 
@@ -205,10 +223,10 @@ class Watched:
         """A new episode."""
         self.gate.reset(rng)
 
-    def decide(self, observation: Observation, proposed):
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """As the gate."""
         began_s = time.perf_counter()
-        decision = self.gate.decide(observation, proposed)
+        decision = self.gate.decide(observation, proposal)
         self.began.append((began_s, decision.reason))
         return decision
 
@@ -292,9 +310,9 @@ def obedience(sizes: Sizes) -> dict[str, Line]:
         run_until_enough(
             inner,
             gate,
-            OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, standing)),
             (Until(page, 1, 1), Pacing()),
             policy=Absent(drive_of(inner).rest),
+            others=beside_the_policy(cockpit, by_hand, hold=standing, fallback=standing),
         )
         thread.join()
     inner.close()

@@ -3,10 +3,10 @@
     python -m tools.bench_refit --before CHECKOUT [--quick] [--results DIRECTORY]
 
 writes bench-refit.json, which `sheath claims` reads. CHECKOUT is a work tree of the version that is
-held against, 6b34bec: what a round does once its policy is fitted, it does there by its own code, on
-the same scenes and with a policy of the same seed. That is: fit the signal, calibrate it, find the
-threshold, and measure epsilon, xi and the false alarms. Each side is a process of its own, and they
-take turns; times are of their CPU on one thread, without their start.
+held against, 6b34bec: what a round does once its policy is fitted, it does there by its own code,
+on the same scenes and with a policy of the same seed. That is: fit the signal, calibrate it, find
+the threshold, and measure epsilon, xi and the false alarms. Each side is a process of its own, and
+they take turns; times are of their CPU on one thread, without their start.
 """
 
 import argparse

@@ -17,37 +17,39 @@ import tempfile
 import threading
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import Page
 from rich.console import Console
+from sheath_manip.threads import single_threaded
 
-from sheath_manip.cli.adjusting import adjusted
-from sheath_manip.cli.episodes import opened, run_all
+from sheath_manip.cli.adjusting import Adjusting, adjusted
+from sheath_manip.cli.episodes import run_all
 from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
-from sheath_manip.cli.session import Catalog, Session
+from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.drivers import ExpertAlone
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
-from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
-from sheath_manip.rollout.threads import single_threaded
-from sheath_manip.seeding import generator, scene_seed
+from sheath_manip.rollout.request import Driver, EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.rollout.workplace import Workplace
+from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
-from sheath_manip.tasks.table import STUDIES, TASKS
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
+from sheath_manip.tasks.table import TASKS
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step, TaskSpec
 from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 
@@ -105,39 +107,52 @@ class Subject:
     """What is photographed."""
 
     task: Task
-    checkpoint: Checkpoint | None
+    spec: TaskSpec
+    checkpoint: Checkpoint | None = None
     """None: the expert alone"""
-    store: Path | None
-    """of the episodes that the checkpoint was fitted to"""
+    adjusting: Adjusting | None = None
+    """the checkpoint's policy under its gate, and the gate's sliders"""
 
+    @property
+    def driver(self) -> Driver:
+        """Who drives where there is no person."""
+        return ExpertAlone() if self.adjusting is None else self.adjusting.driver
 
-def trained(task: Task, folder: Path) -> Subject:
-    """A policy and its gate from a few demonstrations."""
-    plan = (
-        STUDIES[task.name]
-        .plan("quick")
-        .changed(
-            schedule={"false_alarm_episodes": 1},
-            comparison={"evaluation_episodes": 1, "final_episodes": 1},
+    def request(self, driver: Driver, method: str, index: int) -> EpisodeRequest:
+        """An episode in a scene that no experiment has."""
+        info = EpisodeInfo.of(
+            self.spec,
+            variant="default",
+            seed=scene_seed(Purpose.LEARNING, "screenshot", index),
+            purpose=Purpose.LEARNING,
+            method=method,
+            round=0 if self.checkpoint is None else self.checkpoint.round + 1,
+            index=index,
         )
+        return EpisodeRequest(self.task, info, driver)
+
+
+def trained(task: Task, folder: Path) -> tuple[Path, Path]:
+    """A policy and its gate from a few demonstrations: their file, and the store."""
+    plan = task.plans["quick"].changed(
+        schedule={"false_alarm_episodes": 1},
+        comparison={"evaluation_episodes": 1, "final_episodes": 1},
     )
     store = EpisodeStore.create(folder / "training")
-    learning = LearningRun(task, plan, 0, folder, store)
-    try:
-        return Subject(task, learning.start().checkpoint, store.path)
-    finally:
-        learning.close()
+    with SerialExecutor() as executor:
+        start = LearningRun(task, plan, 0, folder, store, executor).start()
+    return start.checkpoints.path(start.checkpoint), store.path
 
 
-def subject_of(
-    task: Task, options: argparse.Namespace, environment: Environment, folder: Path
-) -> Subject:
+def subject_of(task: Task, options: argparse.Namespace, spec: TaskSpec, folder: Path) -> Subject:
     """Read, trained, or the expert."""
     if options.expert:
-        return Subject(task, None, None)
-    if options.checkpoint is None:
-        return trained(task, folder)
-    return Subject(task, load_checkpoint(options.checkpoint, environment.spec), options.store)
+        return Subject(task, spec)
+    path, store = options.checkpoint, options.store
+    if path is None:
+        path, store = trained(task, folder)
+    checkpoint = load_checkpoint(path, spec)
+    return Subject(task, spec, checkpoint, adjusted(path, checkpoint, store, spec))
 
 
 def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
@@ -159,21 +174,6 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
         print(path)
 
 
-def info_of(
-    task: Task, environment: Environment, method: str, round: int, index: int
-) -> EpisodeInfo:
-    """Of an episode in a scene that no experiment has."""
-    return EpisodeInfo(
-        task=task.name,
-        seed=scene_seed(Purpose.LEARNING, "screenshot", index),
-        purpose=Purpose.LEARNING,
-        control_rate_hz=environment.spec.control_rate_hz,
-        method=method,
-        round=round,
-        index=index,
-    )
-
-
 def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
     """The live page, at an intervention; the episode goes on into the store `folder`/recorded."""
     pose = Pose(with_policy=not options.expert)
@@ -181,38 +181,23 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
 
     def drive() -> Subject:
         # All in one thread, because a GL context belongs to the one that made it.
-        environment = task.make()
-        try:
-            subject = subject_of(task, options, environment, folder)
-            fitted = subject.checkpoint
-            adjusting = None if fitted is None else adjusted(fitted, subject.store)
+        with Workplace() as workplace:
+            spec = workplace.environment(task, "default", 0).spec
+            subject = subject_of(task, options, spec, folder)
+            adjusting = subject.adjusting
             parts = () if adjusting is None else adjusting.parts
-            with Dashboard(environment.spec, port=0, gate=parts) as dashboard:
+            with Dashboard(spec, port=0, gate=parts) as dashboard:
                 shown.set_result(dashboard)
                 if adjusting is not None and adjusting.states is not None:
                     dashboard.on_fit(adjusting.states)
                 recorder = Recorder(EpisodeStore.create(folder / "recorded"))
-                for index in count():
+                listeners = (dashboard, recorder, pose, Pacing(4.0))
+                method = "expert" if adjusting is None else "sheath"
+                for index in count(options.scene):
                     if pose.taken.is_set():
                         break
-                    rollout(
-                        environment,
-                        info_of(
-                            task,
-                            environment,
-                            "expert" if fitted is None else "sheath",
-                            0 if fitted is None else fitted.round + 1,
-                            options.scene + index,
-                        ),
-                        AlwaysExpert() if adjusting is None else adjusting.gate,
-                        rng=generator("none"),
-                        policy=None if fitted is None else fitted.policy,
-                        expert=task.expert(environment),
-                        listeners=(dashboard, recorder, pose, Pacing(4.0)),
-                    )
+                    workplace.run(subject.request(subject.driver, method, index), listeners)
             return subject
-        finally:
-            environment.close()
 
     with ThreadPoolExecutor(1) as pool:
         run = pool.submit(drive)
@@ -234,36 +219,26 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
 
 def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
     """The page of a run whose expert is a person: as the robot asks, and as a person drives."""
-    task, checkpoint = subject.task, subject.checkpoint
-    if task.teleop is None or checkpoint is None:
+    task, adjusting = subject.task, subject.adjusting
+    if task.hands is None or adjusting is None:
         return
     operating = Operating(wait_s=60.0)
     shown: Future[Cockpit] = Future()
     addresses: list[str] = []
-    session = Session(lambda: Catalog({}, {}), "", *(Console(file=io.StringIO()) for _ in range(2)))
-    adjusting = adjusted(checkpoint, subject.store)
+    session = Session(lambda: {}, "", *(Console(file=io.StringIO()) for _ in range(2)))
 
     def drive() -> None:
         with (
             operating.crew(task, Address(port=0), session, adjusting.parts) as crew,
-            opened(crew.operated(), "default") as environment,
+            SerialExecutor() as executor,
         ):
             addresses.append(crew.page.address)
             shown.set_result(crew.cockpit)
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
-            infos = (
-                info_of(task, environment, "person", checkpoint.round + 1, options.scene + index)
-                for index in count()
-            )
-            for _ in run_all(
-                environment,
-                infos,
-                crew.gate(adjusting.gate),
-                policy=checkpoint.policy,
-                expert=crew.expert(environment),
-                listeners=crew.listeners,
-            ):
+            by_hand, driver = replace(subject, task=crew.operated()), crew.driver(adjusting.driver)
+            requests = (by_hand.request(driver, "person", at) for at in count(options.scene))
+            for _ in run_all(executor, requests, listeners=crew.listeners):
                 if crew.cockpit.closed:
                     break
 
@@ -303,10 +278,10 @@ def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) 
     shown: Future[Replay] = Future()
 
     def play() -> None:
-        maker = FilmMaker(task, "default", shelf.read)
-        with Replay(maker.spec, shelf, maker.film, maker.exported, port=0) as replay:
+        maker, last = FilmMaker(task, None, shelf.read, shelf.summary), len(shelf) - 1
+        with Replay(maker.spec(last), shelf, maker.film, maker.exported, port=0) as replay:
             shown.set_result(replay)
-            replay.run(len(shelf) - 1)
+            replay.run(last)
         maker.close()
 
     with ThreadPoolExecutor(1) as pool:

@@ -13,8 +13,9 @@ import numpy as np
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.controllers.teleop.gamepad import DEAD_ZONE
 from sheath_manip.controllers.teleop.keys import SPEED as KEY_SPEED
+from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.protocols import Environment, Expert
-from sheath_manip.types import Action, Episode, EpisodeInfo, Observation, Step
+from sheath_manip.types import Action, Episode, EpisodeInfo, Observations, Proposal, Step
 from sheath_manip.types.operator_input import DEAD_MAN_BUTTON, Gamepad
 from tools.station import TIMEOUT_S, Station
 
@@ -112,13 +113,12 @@ def _pushed(share: float) -> float:
     return float(np.clip(np.copysign(DEAD_ZONE + (1 - DEAD_ZONE) * abs(share), share), -1.0, 1.0))
 
 
-class Absent:
+class Absent(Memoryless):
     """A policy that does nothing, so that somebody must come."""
 
     def __init__(self, rest: Callable[[], Action]) -> None:
         self.rest = rest
 
-    def act(self, observation: Observation) -> Action:
-        """(a,) nothing."""
-        del observation
-        return self.rest()
+    def predict(self, observations: Observations) -> Proposal:
+        """Propose to rest, whatever is observed."""
+        return Proposal(np.tile(self.rest(), (len(observations), 1)))

@@ -19,16 +19,17 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, PersonGate, beside_the_policy
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates import AlwaysPolicy
+from sheath_manip.rollout.action_noise import DisturbedExpert
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.tasks.table import TASKS
-from sheath_manip.types import Actor, EpisodeInfo, Purpose
+from sheath_manip.types import EpisodeInfo, Purpose
 from tools.page_client import page_clients
 from tools.station import Station
 
@@ -117,8 +118,8 @@ def soak(task_name: str, minutes: float, directory: Path, speed: float) -> tuple
                     dead_man=by_hand.dead_man,
                 ),
                 rng=np.random.default_rng(count),
-                policy=scripted,
-                expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, standing)),
+                policy=DisturbedExpert(scripted, spec.action, noise=0.0),
+                others=beside_the_policy(cockpit, by_hand, hold=standing, fallback=scripted),
                 listeners=(Recorder(store), page, Pacing(speed)),
             )
             count += 1

@@ -6,10 +6,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from sheath_manip.playback.trace import ACTORS, Trace
+from sheath_manip.playback.trace import Trace
 from sheath_manip.types import EpisodeInfo, Outcome
-
-IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]
+from sheath_manip.types.columns import IN_PLACE_OF_POLICY
 
 
 @dataclass(frozen=True)

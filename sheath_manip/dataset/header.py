@@ -16,7 +16,17 @@ from sheath_manip.dataset.naming import episode_name, is_session
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
 from sheath_manip.json_files import strict_float
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+from sheath_manip.types import (
+    ACTORS,
+    REASONS,
+    Actor,
+    Columns,
+    Episode,
+    EpisodeInfo,
+    Outcome,
+    Purpose,
+    Reason,
+)
 
 FORMAT = "sheath-episode"
 GROUP_FILE = "zarr.json"
@@ -90,6 +100,7 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         raise StoreError(
             f"{name}: wanted a session of letters and digits, got {episode.info.session!r}"
         )
+    columns = columns_of(episode)
     header = Header(
         info=episode.info,
         length=len(episode),
@@ -104,10 +115,10 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         truncated=bool(episode.truncated),
         outcome=Outcome(episode.outcome),
         metrics={name: float(value) for name, value in episode.metrics.items()},
-        expert_steps=sum(step.decision.actor.in_place_of_policy for step in episode.steps),
-        queries=sum(bool(step.decision.query) for step in episode.steps),
-        actors=tuple(Actor),
-        reasons=tuple(Reason),
+        expert_steps=int(columns.in_place_of_policy.sum()),
+        queries=int(columns.query.sum()),
+        actors=ACTORS,
+        reasons=REASONS,
         limits=tuple(sorted({each.limit for step in episode.steps for each in step.limited})),
         versions={name: _version(name) for name in _PACKAGES},
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -118,6 +129,15 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
     except ValueError as error:
         raise StoreError(f"{name}: {error}; mend the environment's spec") from error
     return header
+
+
+def columns_of(episode: Episode) -> Columns:
+    """Return the columns of `episode`; raises StoreError where its steps disagree."""
+    try:
+        return episode.columns
+    except ValueError as error:
+        name = episode_name(episode.info)
+        raise StoreError(f"{name}: its steps have arrays of different shapes ({error})") from error
 
 
 def to_attributes(header: Header) -> dict[str, Any]:

@@ -1,27 +1,43 @@
 """How the steps of an episode become arrays, and the arrays steps again."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
-from sheath_manip.dataset.header import Header, header_of
+from sheath_manip.dataset.header import Header, columns_of, header_of
 from sheath_manip.dataset.layout import Arrays, layout
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
-    Action,
     Episode,
     GateDecision,
     Limited,
     Observation,
     Step,
-    intervened,
 )
+
+COLUMNS = (
+    "features",
+    "time_s",
+    "state",
+    "proposed",
+    "has_proposed",
+    "labelled",
+    "has_labelled",
+    "executed",
+    "actor",
+    "reason",
+    "intervention",
+    "query",
+    "score",
+    "threshold",
+    "reward",
+)
+"""of `Episode.columns`, as they are stored"""
 
 
 def recorded_of(episode: Episode, space: Space | None = None) -> Recorded:
@@ -43,29 +59,12 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
                 f"{name}: wanted the cameras {list(header.cameras)} in every step, "
                 f"one has {list(step.observation.images)}"
             )
-    observations = [step.observation for step in steps]
-    decisions = [step.decision for step in steps]
     final = episode.final_observation
     try:
+        columns = columns_of(episode)
         arrays: Arrays = {
-            **{
-                f"images/{c}": _stacked([o.images[c] for o in observations]) for c in header.cameras
-            },
-            "features": _stacked([observation.features for observation in observations]),
-            "time_s": np.array([observation.time_s for observation in observations], np.float64),
-            "state": _stacked([step.state for step in steps]),
-            "proposed": _filled([step.proposed for step in steps], header.action_size),
-            "has_proposed": np.array([step.proposed is not None for step in steps]),
-            "labelled": _filled([step.labelled for step in steps], header.action_size),
-            "has_labelled": np.array([step.labelled is not None for step in steps]),
-            "executed": _stacked([step.executed for step in steps]),
-            "actor": np.array([header.actors.index(d.actor) for d in decisions], np.uint8),
-            "reason": np.array([header.reasons.index(d.reason) for d in decisions], np.uint8),
-            "intervention": np.array([intervened(episode.info, step) for step in steps]),
-            "query": np.array([bool(decision.query) for decision in decisions]),
-            "score": np.array([decision.score for decision in decisions], np.float64),
-            "threshold": np.array([decision.threshold for decision in decisions], np.float64),
-            "reward": np.array([step.reward for step in steps], np.float64),
+            **{f"images/{camera}": episode.images(camera) for camera in header.cameras},
+            **{column: getattr(columns, column) for column in COLUMNS},
             **({"limited": _limited(episode, header)} if header.limits else {}),
             **{
                 f"final/images/{camera}": np.asarray(final.images[camera])
@@ -201,24 +200,3 @@ def _limited(episode: Episode, header: Header) -> NDArray[np.float64]:
         for each in step.limited:
             row[header.limits.index(each.limit)] = each.by
     return by
-
-
-def _filled(actions: Sequence[Action | None], size: int) -> NDArray:
-    """(T, size) with NaN where there is no action, so that no reader takes it for one."""
-    there = [action for action in actions if action is not None]
-    if len(there) == len(actions):
-        return _stacked(there)
-    filled = np.full((len(actions), size), np.nan, dtype=np.float32)
-    if there:
-        rows = _stacked(there)
-        # A silent conversion would hide an action of another type.
-        filled = filled.astype(np.result_type(filled, rows), copy=False)
-        filled[[action is not None for action in actions]] = rows
-    return filled
-
-
-def _stacked(rows: Sequence[NDArray]) -> NDArray:
-    """(T, ...) as np.stack makes it, in half the time; raises ValueError."""
-    if len({row.shape for row in rows}) != 1:
-        raise ValueError("all must have the same shape")
-    return np.concatenate(rows).reshape(len(rows), *rows[0].shape)

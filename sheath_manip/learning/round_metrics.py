@@ -11,7 +11,7 @@ from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.theory import Bound
 from sheath_manip.policies.looking import look
 from sheath_manip.protocols import TrainablePolicy
-from sheath_manip.types import Actor, Episode, Proposal
+from sheath_manip.types import Columns, Episode, Proposal
 from sheath_manip.types.samples import Samples, visited_from
 
 
@@ -45,12 +45,12 @@ def compute_round_metrics(
         check: new expert episodes.
         tolerance: surrogate loss up to which an action counts as the expert's.
     """
-    steps = [step for episode in episodes for step in episode.steps]
-    labelled = np.array([step.label is not None for step in steps])
-    acted = np.array([step.decision.actor is Actor.POLICY for step in steps])
+    columns = [episode.columns for episode in episodes]
+    labelled = np.concatenate([each.has_label for each in columns])
+    acted = np.concatenate([each.by_policy for each in columns])
     if all(episode.info.checkpoint for episode in episodes):
-        losses = _losses(driver.policy, episodes)
-        scores = np.array([step.decision.score for step in steps])
+        losses = np.concatenate([_losses(driver.policy, each) for each in columns])
+        scores = np.concatenate([each.score for each in columns])
     else:
         losses, scores = _looked_at(driver, visited_from(episodes))
     known = losses[labelled]
@@ -63,16 +63,13 @@ def compute_round_metrics(
     )
 
 
-def _losses(policy: TrainablePolicy, episodes: Sequence[Episode]) -> NDArray[np.float32]:
-    """(n,) how far each recorded proposal is from its label; 1 where it was invalid."""
-    steps = [step for episode in episodes for step in episode.steps]
-    nothing = np.full_like(steps[0].executed, np.nan)
-    proposed = np.stack([nothing if step.proposed is None else step.proposed for step in steps])
-    labels = np.stack([nothing if step.label is None else step.label for step in steps])
-    valid = np.isfinite(proposed).all(axis=1)
-    losses = np.ones(len(steps), np.float32)
+def _losses(policy: TrainablePolicy, columns: Columns) -> NDArray[np.float32]:
+    """(T,) how far each recorded proposal is from its label; 1 where it was invalid."""
+    losses = np.ones(len(columns), np.float32)
+    valid = columns.has_proposed
     if valid.any():
-        losses[valid] = policy.surrogate_losses(Proposal(proposed[valid]), labels[valid])
+        proposed, labels = columns.proposed[valid], columns.labels[valid]
+        losses[valid] = policy.surrogate_losses(Proposal(proposed), labels)
     return losses
 
 

@@ -12,7 +12,8 @@ from sheath_manip.dataset.naming import episode_name
 from sheath_manip.playback import palette
 from sheath_manip.playback.film import Film
 from sheath_manip.playback.labels import actor_and_reason_label
-from sheath_manip.playback.trace import REASONS, Trace
+from sheath_manip.playback.trace import Trace
+from sheath_manip.types import REASONS
 
 TEMPLATE = Path(__file__).with_name("page.html")
 

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.metrics import runs_of
-from sheath_manip.types import Actor, EpisodeInfo, Reason, ScenePose, Step, intervened
+from sheath_manip.types import ACTORS, REASONS, Actor, EpisodeInfo, Reason, ScenePose, Step
+from sheath_manip.types.columns import intervened
 
-ACTORS = tuple(Actor)
-REASONS = tuple(Reason)
 POLICY = ACTORS.index(Actor.POLICY)
 FIRST_CAPACITY = 512
 NOWHERE = np.full(3, np.nan)
@@ -88,7 +87,7 @@ class GrowingTrace:
         columns.time_s[at] = step.observation.time_s
         columns.score[at], columns.threshold[at] = decision.score, decision.threshold
         columns.actor[at] = ACTORS.index(decision.actor)
-        columns.intervention[at] = intervened(self._info, step)
+        columns.intervention[at] = intervened(step, bool(self._info.checkpoint))
         columns.query[at] = step.label is not None
         columns.limited[at] = bool(step.limited)
         columns.reason[at] = REASONS.index(decision.reason)

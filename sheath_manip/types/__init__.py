@@ -1,6 +1,7 @@
 """The small frozen values that cross every boundary of the framework."""
 
-from sheath_manip.types.episode import Episode, EpisodeInfo, Outcome, Purpose, intervened
+from sheath_manip.types.columns import ACTORS, REASONS, Columns
+from sheath_manip.types.episode import Episode, EpisodeInfo, Outcome, Purpose
 from sheath_manip.types.scene import Line, SceneGeom, ScenePose, Surface
 from sheath_manip.types.spec import Action, ActionSpec, FirstView, Mirror, TaskSpec, ToolFrame
 from sheath_manip.types.step import (
@@ -18,9 +19,12 @@ from sheath_manip.types.step import (
 )
 
 __all__ = [
+    "ACTORS",
+    "REASONS",
     "Action",
     "ActionSpec",
     "Actor",
+    "Columns",
     "Commanded",
     "Episode",
     "EpisodeInfo",
@@ -43,5 +47,4 @@ __all__ = [
     "TaskSpec",
     "ToolFrame",
     "Transition",
-    "intervened",
 ]

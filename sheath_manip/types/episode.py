@@ -3,13 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.types.columns import Columns, stacked
 from sheath_manip.types.spec import TaskSpec
-from sheath_manip.types.step import Actor, Observation, Reason, Step
+from sheath_manip.types.step import Observation, Step
 
 
 class Outcome(StrEnum):
@@ -85,7 +87,7 @@ class EpisodeInfo:
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """T steps and T+1 observations."""
+    """T steps and T+1 observations: a table, of which a `Step` is a row."""
 
     info: EpisodeInfo
     steps: tuple[Step, ...]
@@ -101,17 +103,11 @@ class Episode:
     def __len__(self) -> int:
         return len(self.steps)
 
+    @cached_property
+    def columns(self) -> Columns:
+        """The steps by column, but for their images; raises ValueError where they disagree."""
+        return Columns.of(self.steps, driven=bool(self.info.checkpoint))
 
-def intervened(info: EpisodeInfo, step: Step) -> bool:
-    """Tell whether somebody else than the policy acted in `step`, though there was one to act.
-
-    Runs of such steps are the interventions: the one definition for tables, stores, pages and
-    results. There was a policy where a checkpoint drove the episode, where one proposed, and where
-    its proposal was invalid, which is recorded as none.
-    """
-    has_policy = (
-        bool(info.checkpoint)
-        or step.proposed is not None
-        or step.decision.reason is Reason.INVALID_PROPOSAL
-    )
-    return has_policy and step.decision.actor is not Actor.POLICY
+    def images(self, camera: str) -> NDArray[np.uint8]:
+        """(T, h, w, 3) what a camera saw before each action; ValueError for several shapes."""
+        return stacked([step.observation.images[camera] for step in self.steps])

@@ -1,6 +1,6 @@
 """Labelled states for training, held in RAM."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types.episode import Episode
-from sheath_manip.types.step import Observations, Step
+from sheath_manip.types.step import Observations
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,37 +53,31 @@ class Samples:
 
 
 def samples_from(episodes: Iterable[Episode]) -> Samples:
-    """All labelled states of `episodes`; raises ParameterError where there is none."""
-    steps = [(number, step) for number, step in _numbered(episodes) if step.label is not None]
-    if not steps:
+    """Return all labelled states of `episodes`; raises ParameterError where there is none."""
+    visited = list(episodes)
+    if not any(episode.columns.has_label.any() for episode in visited):
         raise ParameterError(
             "no labelled state to train on; record episodes whose gate asks for labels"
         )
-    return _samples(steps)
+    return visited_from(visited, labelled_only=True)
 
 
-def visited_from(episodes: Iterable[Episode]) -> Samples:
-    """All states of `episodes`, also those that nobody labelled."""
-    return _samples(list(_numbered(episodes)))
-
-
-def _numbered(episodes: Iterable[Episode]) -> Iterator[tuple[int, Step]]:
-    for number, episode in enumerate(episodes):
-        for step in episode.steps:
-            yield number, step
-
-
-def _samples(steps: Sequence[tuple[int, Step]]) -> Samples:
-    cameras = steps[0][1].observation.images
-    missing = np.full_like(steps[0][1].executed, np.nan)
+def visited_from(episodes: Iterable[Episode], labelled_only: bool = False) -> Samples:
+    """Return all states of `episodes`, also those that nobody labelled, or only the others."""
+    rows = [
+        (number, episode, episode.columns.has_label if labelled_only else slice(None))
+        for number, episode in enumerate(episodes)
+    ]
+    cameras = rows[0][1].final_observation.images
+    columns = [(number, episode.columns, chosen) for number, episode, chosen in rows]
     return Samples(
         {
-            camera: np.stack([step.observation.images[camera] for _, step in steps])
+            camera: np.concatenate([episode.images(camera)[chosen] for _, episode, chosen in rows])
             for camera in cameras
         },
-        np.stack([step.observation.features for _, step in steps]).astype(np.float32),
-        np.stack([missing if step.label is None else step.label for _, step in steps]),
-        np.array([number for number, _ in steps], dtype=np.int64),
+        np.concatenate([each.features[chosen] for _, each, chosen in columns]).astype(np.float32),
+        np.concatenate([each.labels[chosen] for _, each, chosen in columns]),
+        np.concatenate([np.full(len(each), number)[chosen] for number, each, chosen in columns]),
     )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, PersonGate, beside_the_policy
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import SupportGate
@@ -19,8 +19,10 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.entry import drive_of, hold, teleop
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
-from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Purpose, Step
+from sheath_manip.types import Actor, EpisodeInfo, Observation, Purpose, Step
+from tests.judging import ByObservation
 from tests.waiting import DEADLINE_S, eventually
+from tools.scripted_person import Absent
 
 INFO = EpisodeInfo("grasp-clutter", 5, Purpose.LEARNING, 20.0, method="sheath")
 SCENARIO = Scenario(difficulty=EASY, cameras=(), time_limit_s=3600.0)
@@ -60,24 +62,14 @@ class OperatedGrasp:
     def on_step(self, environment, step: Step) -> None:
         del environment
         self.steps.append(step)
-        self.turns.append((time.monotonic(), self.cockpit.turn))
+        assert step.decision.actor is self.cockpit.turn
+        self.turns.append((time.monotonic(), step.decision.actor))
         pose = self.cockpit.tool_pose
         assert pose is not None
         self.tool_m = pose[:3]
 
     def on_end(self, episode) -> None:
         del episode
-
-
-class Idle:
-    """A policy that stays where it is."""
-
-    def __init__(self, rest) -> None:
-        self.rest = rest
-
-    def act(self, observation: Observation) -> Action:
-        del observation
-        return self.rest()
 
 
 @contextmanager
@@ -96,13 +88,14 @@ def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
             with Dashboard(inner.spec, port=0, cockpit=cockpit) as page:
                 grasp = OperatedGrasp(page, cockpit)
                 ready.append(grasp)
+                gate = SupportGate(ByObservation(grasp.score), 0.0)
                 rollout(
                     environment,
                     INFO,
-                    PersonGate(SupportGate(grasp.score, 0.0), cockpit, 20.0, wait_s=wait_s),
+                    PersonGate(gate, cockpit, 20.0, wait_s=wait_s),
                     rng=np.random.default_rng(0),
-                    policy=Idle(drive_of(inner).rest),
-                    expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, standing)),
+                    policy=Absent(drive_of(inner).rest),
+                    others=beside_the_policy(cockpit, by_hand, hold=standing, fallback=standing),
                     listeners=(page, grasp, Pacing(times=lambda: cockpit.speed)),
                 )
         except BaseException as error:

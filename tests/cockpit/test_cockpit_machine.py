@@ -15,7 +15,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from sheath_manip.cockpit import Cockpit, Given, Order, PersonGate
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.exceptions import UnattendedError
-from sheath_manip.types import Action, Actor, GateDecision, Observation, Reason
+from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 from sheath_manip.types.operator_input import Binding
 from tests.cockpit.test_cockpit import Clock
 
@@ -23,7 +23,7 @@ SEQUENCES = int(os.environ.get("SHEATH_COCKPIT_SEQUENCES", "40"))
 RATE_HZ = 20.0
 KEY = Given(keys=frozenset({"KeyI"}))
 SEEN = Observation({}, np.zeros(1, np.float32), 0.0)
-AT_REST = np.zeros(1, np.float32)
+AT_REST = Proposal(np.zeros((1, 1), np.float32))
 PAGES = st.integers(0, 2)
 
 
@@ -46,8 +46,8 @@ class Whim:
     def reset(self, rng) -> None:
         del rng
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        del observation, proposed
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        del observation, proposal
         return GateDecision(self.actor, False, Reason.INSIDE)
 
 
@@ -255,18 +255,21 @@ class CockpitMachine(RuleBasedStateMachine):
         silent = self.driver is not None and not alive
         must_hold = self.stopped or self.lost or silent or not let_on
         self.granted = False
+        decision = ended = None
         try:
-            self.gate.decide(SEEN, AT_REST)
-            ended = None
+            decision = self.gate.decide(SEEN, AT_REST)
         except (StandsStillError, UnattendedError) as error:
             ended = type(error)
-        if ended is not None:
             event(ended.__name__)
+        if decision is None:
             assert not self.can_hold
             assert self.closed is (ended is UnattendedError)
             assert self.cockpit.turn is Actor.HOLD
             return
-        turn = self.cockpit.turn
+        turn = decision.actor
+        assert turn is self.cockpit.turn
+        # Who drives or stands in teaches; to hold is no label.
+        assert decision.query is (turn in (Actor.OPERATOR, Actor.FALLBACK))
         event(f"{turn}, {'stopped' if self.stopped else 'lost' if self.lost else 'else'}")
         if must_hold:
             assert turn is Actor.HOLD

@@ -9,23 +9,25 @@ from sheath_manip.cockpit import (
     Cockpit,
     Given,
     OperatedEnvironment,
-    OperatedExpert,
     Order,
     PersonGate,
+    beside_the_policy,
 )
 from sheath_manip.cockpit.lease import LOST_AFTER_S
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, UnattendedError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, SupportGate
-from sheath_manip.protocols import Gate
+from sheath_manip.protocols import Expert, Gate
 from sheath_manip.rollout.discarding import DiscardedError, until_kept
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Observation, Outcome, Purpose, Reason
 from sheath_manip.types.samples import samples_from
 from tests import toy
 from tests.cockpit.test_cockpit import Clock
+from tests.judging import ByObservation
 from tests.toy import Corridor, MiddleKeeper, hold, teleop
+from tools.scripted_person import Absent
 
 INFO = EpisodeInfo("corridor", 3, Purpose.LEARNING, 50.0)
 PERIOD_S = 1 / 50.0
@@ -40,10 +42,7 @@ def _wide(monkeypatch) -> None:
     monkeypatch.setattr(toy, "HALF_WIDTH_M", 1e3)
 
 
-class Straight:
-    def act(self, observation: Observation):
-        del observation
-        return np.zeros(1, np.float32)
+STRAIGHT = Absent(lambda: np.zeros(1, np.float32))
 
 
 class Page:
@@ -63,9 +62,11 @@ class Page:
         self._play()
 
     def on_step(self, environment, step) -> None:
-        del environment, step
+        del environment
         self.steps += 1
-        self.turns.append(self.cockpit.turn)
+        # A bare gate knows of no person, so its environment stands still instead.
+        assert step.decision.actor is self.cockpit.turn or not self.cockpit.gated
+        self.turns.append(step.decision.actor)
         self.clock.s += PERIOD_S
         self._play()
 
@@ -78,7 +79,11 @@ class Page:
 
 def outside_between(first: int, last: int) -> Gate:
     """A support gate that is outside in those steps."""
-    return SupportGate(lambda seen: 1 if not first <= seen.features[1] < last else -1, 0.0)
+
+    def score(observation: Observation) -> float:
+        return -1.0 if first <= observation.features[1] < last else 1.0
+
+    return SupportGate(ByObservation(score), 0.0)
 
 
 def run(
@@ -87,13 +92,12 @@ def run(
     clock = Clock()
     cockpit = Cockpit(teleop(Corridor()).guide, clock)
     environment = Corridor(steps)
-    standing = hold(environment)
-    scripted = MiddleKeeper(environment)
-    stand_ins = {
-        Actor.POLICY: scripted,
-        Actor.HOLD: standing,
-        Actor.FALLBACK: scripted if fallback is None else fallback,
-    }
+    others = beside_the_policy(
+        cockpit,
+        teleop(environment),
+        hold=hold(environment),
+        fallback=MiddleKeeper(environment) if fallback is None else fallback,
+    )
     page = Page(cockpit, clock, script)
     episode = until_kept(
         lambda *, rng: rollout(
@@ -101,8 +105,8 @@ def run(
             INFO,
             PersonGate(gate, cockpit, 50.0, **{"dead_man": True} | options),
             rng=rng,
-            policy=Straight(),
-            expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
+            policy=STRAIGHT,
+            others=others,
             listeners=(*listeners, page),
         ),
         INFO,
@@ -127,7 +131,6 @@ def test_nobody_comes_so_the_robot_holds_and_then_the_fallback_acts():
     assert set(reasons(episode)[:3] + reasons(episode)[9:]) == {Reason.INSIDE}
     assert page.turns[3:9] == [Actor.HOLD] * 3 + [Actor.FALLBACK] * 3
     held = episode.steps[3]
-    assert held.decision.actor is Actor.EXPERT
     assert held.executed == 0
     # Who holds teaches nothing, and the policy's states have nobody to label them.
     taught = [step.label is not None for step in episode.steps]
@@ -154,7 +157,6 @@ def test_the_person_answers_drives_and_hands_back():
     assert page.turns[5:7] == [Actor.OPERATOR] * 2
     for step in episode.steps[5:7]:
         assert step.label == step.executed == pytest.approx(-0.3)
-        assert step.decision.actor is Actor.EXPERT
 
 
 def test_who_hands_back_outside_is_asked_again():
@@ -191,7 +193,9 @@ def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on
     clock = Clock()
     cockpit = Cockpit(teleop(Corridor()).guide, clock)
     environment = Corridor()
-    stand_ins = dict.fromkeys(Actor, hold(environment))
+    others = beside_the_policy(
+        cockpit, teleop(environment), hold=hold(environment), fallback=MiddleKeeper(environment)
+    )
     page = Page(cockpit, clock, {4: lambda page: page.leave("page")})
     take(cockpit)
 
@@ -202,8 +206,8 @@ def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on
             INFO,
             gate,
             rng=np.random.default_rng(0),
-            policy=Straight(),
-            expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
+            policy=STRAIGHT,
+            others=others,
             listeners=(page,),
         )
         return list(page.turns)
@@ -234,13 +238,14 @@ def test_a_stop_and_its_reset_between_two_looks_of_the_loop_still_halt_it():
     cockpit = Cockpit(teleop(Corridor()).guide, Clock())
     gate = PersonGate(AlwaysPolicy(), cockpit, 50.0)
     seen = Corridor().reset(0)
-    assert gate.decide(seen, np.zeros(1, np.float32)).actor is Actor.POLICY
+    proposal = STRAIGHT.propose(seen.alone)
+    assert gate.decide(seen, proposal).actor is Actor.POLICY
     cockpit.wait()
     cockpit.order(Order.STOP, "page")
     cockpit.order(Order.RESET, "page", seen=1)
-    assert gate.decide(seen, np.zeros(1, np.float32)).reason is Reason.EMERGENCY_STOP
+    assert gate.decide(seen, proposal).reason is Reason.EMERGENCY_STOP
     cockpit.order(Order.RESUME, "page")
-    assert gate.decide(seen, np.zeros(1, np.float32)).actor is Actor.POLICY
+    assert gate.decide(seen, proposal).actor is Actor.POLICY
 
 
 @pytest.mark.parametrize(
@@ -285,19 +290,23 @@ def test_a_simulation_that_cannot_hold_stands_still():
 
     cockpit = Cockpit(teleop(Corridor()).guide, Passing())
     environment = Corridor()
-    scripted = MiddleKeeper(environment)
-    stand_ins = dict.fromkeys(Actor, scripted)
     gate = PersonGate(outside_between(3, 6), cockpit, 50.0, wait_s=2.0, can_hold=False)
     episode = rollout(
         OperatedEnvironment(environment, cockpit),
         INFO,
         gate,
         rng=np.random.default_rng(0),
-        policy=Straight(),
-        expert=OperatedExpert(cockpit, teleop(environment), stand_ins),
+        policy=STRAIGHT,
+        others=without_hold(cockpit, environment),
     )
     assert reasons(episode)[3:6] == [Reason.NO_ANSWER] * 3
     assert len(episode) == 12
+
+
+def without_hold(cockpit: Cockpit, environment: Corridor) -> Mapping[Actor, Expert]:
+    """Who may act where the simulation cannot hold: what holds it is never asked."""
+    scripted = MiddleKeeper(environment)
+    return beside_the_policy(cockpit, teleop(environment), hold=scripted, fallback=scripted)
 
 
 class Impatient(Cockpit):
@@ -317,7 +326,6 @@ def cannot_hold(
     cockpit = Impatient(teleop(Corridor()).guide, Clock())
     cockpit.script = meanwhile
     environment = Corridor()
-    scripted = MiddleKeeper(environment)
     person = PersonGate(gate, cockpit, 50.0, wait_s=wait_s, can_hold=False, dead_man=False)
     try:
         return rollout(
@@ -325,8 +333,8 @@ def cannot_hold(
             INFO,
             person if wrap else gate,
             rng=np.random.default_rng(0),
-            policy=Straight(),
-            expert=OperatedExpert(cockpit, teleop(environment), dict.fromkeys(Actor, scripted)),
+            policy=STRAIGHT,
+            others=without_hold(cockpit, environment),
             listeners=(Page(cockpit, Clock(), {4: before}),),
         )
     finally:

@@ -94,7 +94,7 @@ def test_take_over_by_click_drive_with_held_keys_and_hand_back(grasp, opened):
     way_m = moved_m(grasp, page, 0.05)
     assert way_m[0] > 0.9 * np.linalg.norm(way_m)
     driven = next(step for step in reversed(grasp.steps) if step.label is not None)
-    assert driven.decision.actor is Actor.EXPERT
+    assert driven.decision.actor is Actor.OPERATOR
     assert driven.decision.reason is Reason.PERSON
     assert driven.label[0] == pytest.approx(0.6)
     page.keyboard.up("i")
@@ -206,7 +206,7 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     page.keyboard.down("u")
     grasp.until_turn(Actor.OPERATOR)
     assert moved_m(grasp, page, 0.02)[2] > 0.01
-    page.get_by_text("Person acts").wait_for()
+    page.get_by_text("Operator acts").wait_for()
     page.keyboard.up("u")
     grasp.inside = True
     page.keyboard.press("h")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sheath_manip.cockpit import Cockpit, OperatedEnvironment, OperatedExpert, PersonGate
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, PersonGate, beside_the_policy
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
@@ -25,8 +25,18 @@ from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask
 from sheath_manip.tasks.grasp_clutter.task import Scenario as GraspScenario
-from sheath_manip.types import Action, Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+from sheath_manip.types import (
+    Action,
+    Actor,
+    Episode,
+    EpisodeInfo,
+    Observation,
+    Outcome,
+    Purpose,
+    Reason,
+)
 from sheath_manip.types.samples import samples_from
+from tests.judging import ByObservation
 from tools.scripted_person import (
     Absent,
     Held,
@@ -57,7 +67,10 @@ def operated_episode(
     stand_in = task.make_expert(inner, "hold") if can_hold else scripted
     spec = inner.spec
     calm_s = CALM_STEPS / spec.control_rate_hz
-    gate = SupportGate(lambda seen: 1.0 if seen.time_s < calm_s - 1e-6 else -1.0, 0.0)
+
+    def score(observation: Observation) -> float:
+        return 1.0 if observation.time_s < calm_s - 1e-6 else -1.0
+
     rest = getattr(stand_in, "_rest", lambda: np.zeros(len(spec.action.names), np.float32))
     with (
         Dashboard(spec, port=0, cockpit=cockpit) as page,
@@ -68,7 +81,7 @@ def operated_episode(
             OperatedEnvironment(inner, cockpit),
             EpisodeInfo(spec.name, seed, Purpose.LEARNING, spec.control_rate_hz, "person"),
             PersonGate(
-                gate,
+                SupportGate(ByObservation(score), 0.0),
                 cockpit,
                 spec.control_rate_hz,
                 # A car cannot wait: the scripted expert bridges the one step until it is there.
@@ -79,7 +92,7 @@ def operated_episode(
             ),
             rng=np.random.default_rng(0),
             policy=Absent(rest),
-            expert=OperatedExpert(cockpit, by_hand, dict.fromkeys(Actor, stand_in)),
+            others=beside_the_policy(cockpit, by_hand, hold=stand_in, fallback=stand_in),
             listeners=(page, person, Recorder(store)),
         )
     assert person.took_over == 1
@@ -91,11 +104,12 @@ def assert_recorded(store: EpisodeStore, episode: Episode) -> Episode:
     name = next(iter(store.names()))
     recorded = store.recorded(name).arrays
     read = store.read(name)
-    acted = np.array([step.decision.actor is Actor.EXPERT for step in read.steps])
+    acted = np.array([step.decision.actor is not Actor.POLICY for step in read.steps])
     assert not acted[:CALM_STEPS].any()
     assert acted[CALM_STEPS:].all()
     np.testing.assert_array_equal(recorded["intervention"], acted)
-    by_person = [step for step in read.steps if step.decision.reason is Reason.PERSON]
+    by_person = [step for step in read.steps if step.decision.actor is Actor.OPERATOR]
+    assert {step.decision.reason for step in by_person} == {Reason.PERSON}
     assert len(by_person) > 0.9 * (len(episode) - CALM_STEPS)
     assert all(step.label is not None for step in by_person)
     assert sum(step.label is not None for step in read.steps) == len(by_person)
@@ -112,8 +126,8 @@ def test_a_grasp_from_which_a_policy_learns(tmp_path: Path):
 
     def squared_error(steps: int) -> float:
         policy = make_policy("spatial-cnn", inner.spec, seed=0, steps=steps, batch_size=32)
-        predicted = policy.fit(states).predict(states.images, states.features)
-        return float(((predicted - states.labels) ** 2).mean())
+        predicted = policy.fit(states).predict(states.observations)
+        return float(((predicted.now - states.labels) ** 2).mean())
 
     learned = squared_error(steps=80)
     assert learned < 0.2 * squared_error(steps=0)
@@ -142,7 +156,8 @@ def test_a_lap_from_which_a_policy_learns(tmp_path: Path):
     assert episode.metrics["laps"] == 1.0
     states = samples_from([assert_recorded(store, episode)])
     policy = make_policy("hog-svm", inner.spec, seed=0).fit(states)
-    right = (np.abs(policy.predict(states.images, states.features) - states.labels) < 1e-3).mean()
+    predicted = policy.predict(states.observations).now
+    right = (np.abs(predicted - states.labels) < 1e-3).mean()
     most = max((states.labels == choice).mean() for choice in np.unique(states.labels))
     assert right > most + 0.1
     inner.close()

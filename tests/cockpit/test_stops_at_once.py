@@ -8,11 +8,12 @@ import numpy as np
 
 from sheath_manip.cockpit import Cockpit, Order, PersonGate
 from sheath_manip.gates import AlwaysPolicy
-from sheath_manip.types import Actor, Observation
+from sheath_manip.types import Actor, Observation, Proposal
 from sheath_manip.types.operator_input import Binding
 
 PAGES, ROUNDS = 6, 300
-SEEN, AT_REST = Observation({}, np.zeros(1, np.float32), 0.0), np.zeros(1, np.float32)
+SEEN = Observation({}, np.zeros(1, np.float32), 0.0)
+AT_REST = Proposal(np.zeros((1, 1), np.float32))
 
 
 class Numbers:
@@ -59,8 +60,7 @@ def test_no_stop_is_lost_and_nothing_moves_that_nobody_has_reset(monkeypatch):
         begin.wait()
         while not enough.is_set():
             known = pressed.highest
-            gate.decide(SEEN, AT_REST)
-            if cockpit.turn is not Actor.HOLD:
+            if gate.decide(SEEN, AT_REST).actor is not Actor.HOLD:
                 moved[0] += 1
                 if reset.highest < known:
                     wrong.append(known)
@@ -81,6 +81,5 @@ def test_no_stop_is_lost_and_nothing_moves_that_nobody_has_reset(monkeypatch):
     state = cockpit.state
     assert state.stops == PAGES * (ROUNDS + 1)
     assert state.stopped
-    gate.decide(SEEN, AT_REST)
-    assert cockpit.turn is Actor.HOLD
+    assert gate.decide(SEEN, AT_REST).actor is cockpit.turn is Actor.HOLD
     print(f"{state.stops} stops, {moved[0]} steps that moved")

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
+from sheath_manip.cockpit import Cockpit, PersonGate
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates import (
     AlwaysExpert,
@@ -55,6 +56,12 @@ GATES: dict[str, Callable[[], Gate]] = {
     "query filter": lambda: QueryFilter(FIRST_FEATURE, 0.0),
     "human": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0)),
     "human, who drives on": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=3)),
+    "person, who never comes": lambda: PersonGate(
+        SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=0.0
+    ),
+    "person, who is waited for": lambda: PersonGate(
+        SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=float("inf")
+    ),
     "support": lambda: SupportGate(FIRST_FEATURE, 0.0),
     "support, held": lambda: SupportGate(FIRST_FEATURE, 0.0, False, 0.5, 2, 4),
 }
@@ -81,8 +88,9 @@ def test_decisions_are_of_the_declared_types(name):
 
 
 @pytest.mark.parametrize("name", GATES)
-def test_where_the_expert_acts_there_is_a_label(name):
-    assert all(d.query for d in run(GATES[name]()) if d.actor is Actor.EXPERT)
+def test_where_another_than_the_policy_drives_there_is_a_label_and_where_nobody_does_none(name):
+    decisions = [d for d in run(GATES[name]()) if d.actor is not Actor.POLICY]
+    assert all(d.query is d.actor.in_place_of_policy for d in decisions)
 
 
 @pytest.mark.parametrize("name", GATES)
@@ -95,13 +103,13 @@ def test_reset_forgets_and_the_rng_decides(name):
 
 
 @pytest.mark.parametrize("name", GATES)
-def test_without_a_valid_proposal_the_expert_acts(name):
+def test_without_a_valid_proposal_the_policy_does_not_act(name):
     gate = GATES[name]()
     gate.reset(np.random.default_rng(0))
     for score in (1.0, -1.0, float("nan")):
         decision = gate.decide(seen(score), None)
-        assert decision.actor is Actor.EXPERT
-        assert decision.query
+        assert decision.actor is not Actor.POLICY
+        assert decision.query is decision.actor.in_place_of_policy
 
 
 @pytest.mark.parametrize("gate", [Mixture(0.3), RandomTakeover(0.3)])

@@ -1,6 +1,5 @@
 import threading
 import time
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Environment
+from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.types import Actor, Episode, Limited, Outcome, Purpose
 from sheath_manip.types.samples import Samples, samples_from
 from tests.dashboard.conftest import SPEC, TOKEN, play
@@ -135,8 +135,8 @@ def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None
     )
     store = EpisodeStore.create(tmp_path / "store")
     with Dashboard(Corridor().spec, port=0, token=TOKEN) as dashboard:
-        with closing(LearningRun(CORRIDOR, plan, 0, tmp_path, store, (dashboard,))) as learning:
-            learning.prepare()
+        with SerialExecutor() as executor:
+            LearningRun(CORRIDOR, plan, 0, tmp_path, store, executor, (dashboard,)).prepare()
         moment = dashboard._latest()
     demonstrations = samples_from(store.episodes(Purpose.DEMONSTRATION))
     assert moment is not None

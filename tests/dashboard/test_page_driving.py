@@ -1,7 +1,6 @@
 """The page on the real driving task: what Chromium shows of a car that the expert takes over."""
 
 import threading
-from typing import cast
 
 import numpy as np
 import pytest
@@ -13,7 +12,8 @@ from sheath_manip.dashboard.parts.score_plot import ScorePlot
 from sheath_manip.dashboard.parts.support_map import SupportMap
 from sheath_manip.dashboard.parts.trouble import Trouble
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.protocols import Policy
+from sheath_manip.rollout.action_noise import DisturbedExpert
+from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
@@ -21,6 +21,7 @@ from sheath_manip.tasks.driving.expert import DrivingExpert
 from sheath_manip.tasks.driving.task import DrivingTask, Scenario
 from sheath_manip.types import EpisodeInfo, Observation, Purpose
 from sheath_manip.types.samples import Samples
+from tests.judging import ByObservation
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
@@ -36,7 +37,7 @@ def score(observation: Observation) -> float:
 def drive(dashboard: Dashboard, enough: threading.Event) -> None:
     """Short episodes under a scripted gate, until there were enough."""
     environment = ComposerEnvironment(DrivingTask(SCENARIO))
-    expert = DrivingExpert(environment)
+    expert = CachedExpert(DrivingExpert(environment))
     pacing = Pacing()
     index = 0
     while not enough.is_set():
@@ -44,10 +45,9 @@ def drive(dashboard: Dashboard, enough: threading.Event) -> None:
         rollout(
             environment,
             info,
-            SupportGate(score, threshold=0.0),
+            SupportGate(ByObservation(score), threshold=0.0),
             rng=np.random.default_rng(0),
-            # All that a rollout asks of a policy is to act.
-            policy=cast(Policy, expert),
+            policy=DisturbedExpert(expert, environment.spec.action, noise=0.0),
             expert=expert,
             listeners=(dashboard, pacing),
         )

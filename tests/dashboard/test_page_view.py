@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Locator, Page
 
 from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.controllers.hold import Hold
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dashboard.shelf import Shelf
@@ -26,7 +27,9 @@ from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.types import Action, Actor, EpisodeInfo, Observation, Outcome, Purpose, Transition
 from sheath_manip.types.operator_input import Binding
 from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive
+from tests.judging import ByObservation, always
 from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
+from tools.scripted_person import Absent
 
 pytestmark = pytest.mark.browser
 
@@ -42,15 +45,8 @@ class EndlessRoad(RingRoad):
         return replace(super().step(action), truncated=self.enough.is_set())
 
 
-class StraightOn:
-    """Both policy and expert."""
-
-    def reset(self) -> None:
-        pass
-
-    def act(self, observation: Observation) -> Action:
-        del observation
-        return np.zeros(1, np.float32)
+def straight_on() -> Action:
+    return np.zeros(1, np.float32)
 
 
 def slider(page: Page, place: int) -> Locator:
@@ -155,12 +151,12 @@ def test_replay_scrubs_jumps_marks_and_exports(
 
 def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
     page, environment = browser_page, EndlessRoad()
-    dial = Dial(Boundary(lambda _: 0.5, threshold=0.0, lowest=-1.0, highest=1.0))
+    dial = Dial(Boundary(always(0.5), threshold=0.0, lowest=-1.0, highest=1.0))
     fitted: list[tuple[float, str]] = []
 
     def refit(nu: float) -> Boundary:
         fitted.append((nu, threading.current_thread().name))
-        return Boundary(lambda _: -2.0, threshold=-0.5, lowest=-3.0, highest=3.0)
+        return Boundary(always(-2.0), threshold=-0.5, lowest=-3.0, highest=3.0)
 
     gate = (
         partial(ThresholdSlider, dial=dial),
@@ -174,10 +170,10 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
             rollout(
                 environment,
                 info,
-                Adjustable(SupportGate(lambda _: 0.5, 0.0), dial),
+                Adjustable(SupportGate(always(0.5), 0.0), dial),
                 rng=np.random.default_rng(0),
-                policy=StraightOn(),
-                expert=StraightOn(),
+                policy=Absent(straight_on),
+                expert=Hold(straight_on),
                 listeners=(dashboard, Pacing()),
             )
 
@@ -226,10 +222,10 @@ def test_one_looks_back_while_the_run_goes_on(browser_page: Page) -> None:
             rollout(
                 environment,
                 info,
-                SupportGate(score, 0.0),
+                SupportGate(ByObservation(score), 0.0),
                 rng=np.random.default_rng(0),
-                policy=StraightOn(),
-                expert=StraightOn(),
+                policy=Absent(straight_on),
+                expert=Hold(straight_on),
                 listeners=(dashboard, Pacing()),
             )
 

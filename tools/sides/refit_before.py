@@ -24,6 +24,7 @@ numbers = iter(range(10_000))
 
 
 def episodes(count, policy=None):
+    """Record `count` scenes; a policy proposes where there is one."""
     infos = [
         EpisodeInfo(spec.name, next(numbers), Purpose.DEMONSTRATION, spec.control_rate_hz)
         for _ in range(count)
@@ -43,6 +44,7 @@ states = joined([demonstrations, visited.labelled()])
 
 
 def each(samples):
+    """Return the samples of each episode."""
     return [samples.take(samples.episodes == number) for number in np.unique(samples.episodes)]
 
 

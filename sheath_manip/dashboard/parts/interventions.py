@@ -6,7 +6,8 @@ import viser
 
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
-from sheath_manip.playback.trace import REASONS, Trace
+from sheath_manip.playback.trace import Trace
+from sheath_manip.types import REASONS
 
 NONE: str = "none yet"
 LISTED = 100

@@ -10,8 +10,8 @@ from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import actor_and_reason_label
-from sheath_manip.playback.trace import ACTORS, REASONS, Trace
-from sheath_manip.types import Actor
+from sheath_manip.playback.trace import Trace
+from sheath_manip.types import ACTORS, REASONS, Actor
 
 BINS = 240
 """at most: more are finer than the strip's pixels"""

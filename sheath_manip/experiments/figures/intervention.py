@@ -10,7 +10,7 @@ from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.policies.deviation import largest_deviations
-from sheath_manip.types import Action, ActionSpec, Actor, Episode, Outcome, Purpose
+from sheath_manip.types import Action, ActionSpec, Episode, Outcome, Purpose
 
 CONTEXT_S = 0.6
 """of the policy before and after that make an intervention one that can be seen"""
@@ -127,7 +127,7 @@ def best_intervention(
 
 def expert_acted(episode: Episode) -> NDArray[np.bool_]:
     """(t,) where somebody else than the policy acted."""
-    return np.array([step.decision.actor is not Actor.POLICY for step in episode.steps])
+    return np.logical_not(episode.columns.by_policy)
 
 
 def _steps(episode: Episode, duration_s: float) -> int:

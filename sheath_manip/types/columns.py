@@ -1,0 +1,143 @@
+"""The steps of an episode by column: what samples, counts, stores and figures are selections of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.types.spec import Action
+from sheath_manip.types.step import Actor, Reason, Step
+
+ACTORS = tuple(Actor)
+REASONS = tuple(Reason)
+IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """T rows, one a step, all but the images; the arrays must not be written to."""
+
+    time_s: NDArray[np.float64]
+    """(T,) before the action"""
+    features: NDArray[np.float32]
+    """(T, f)"""
+    state: NDArray[np.float64]
+    """(T, s)"""
+    proposed: NDArray[np.float32]
+    """(T, a) NaN where there is none"""
+    has_proposed: NDArray[np.bool_]
+    """(T,)"""
+    labelled: NDArray[np.float32]
+    """(T, a) NaN where there is none"""
+    has_labelled: NDArray[np.bool_]
+    """(T,)"""
+    executed: NDArray[np.float32]
+    """(T, a)"""
+    actor: NDArray[np.uint8]
+    """(T,) place in ACTORS"""
+    reason: NDArray[np.uint8]
+    """(T,) place in REASONS"""
+    query: NDArray[np.bool_]
+    """(T,) whether a label was asked for"""
+    score: NDArray[np.float64]
+    """(T,) NaN where the gate computes none"""
+    threshold: NDArray[np.float64]
+    """(T,) NaN where the gate has none"""
+    reward: NDArray[np.float64]
+    """(T,)"""
+    limited: NDArray[np.bool_]
+    """(T,) whether a command filter changed the command"""
+    intervention: NDArray[np.bool_]
+    """(T,) whether somebody else than the policy acted, though there was one"""
+
+    @classmethod
+    def of(cls, steps: Sequence[Step], driven: bool) -> "Columns":
+        """Return the columns of `steps`, of an episode `driven` by a checkpoint or not.
+
+        Raises ValueError where arrays of one kind have several shapes.
+        """
+        decisions = [step.decision for step in steps]
+        width = steps[0].executed.size if steps else 0
+        actor = np.array([ACTORS.index(decision.actor) for decision in decisions], np.uint8)
+        reason = np.array([REASONS.index(decision.reason) for decision in decisions], np.uint8)
+        return cls(
+            time_s=np.array([step.observation.time_s for step in steps], np.float64),
+            features=stacked([step.observation.features for step in steps]),
+            state=stacked([step.state for step in steps]),
+            proposed=_filled([step.proposed for step in steps], width),
+            has_proposed=np.array([step.proposed is not None for step in steps], bool),
+            labelled=_filled([step.labelled for step in steps], width),
+            has_labelled=np.array([step.labelled is not None for step in steps], bool),
+            executed=stacked([step.executed for step in steps]),
+            actor=actor,
+            reason=reason,
+            query=np.array([bool(decision.query) for decision in decisions], bool),
+            score=np.array([decision.score for decision in decisions], np.float64),
+            threshold=np.array([decision.threshold for decision in decisions], np.float64),
+            reward=np.array([step.reward for step in steps], np.float64),
+            limited=np.array([bool(step.limited) for step in steps], bool),
+            intervention=np.array([intervened(step, driven) for step in steps], bool),
+        )
+
+    def __len__(self) -> int:
+        return len(self.actor)
+
+    @property
+    def by_policy(self) -> NDArray[np.bool_]:
+        """(T,) whether the policy acted."""
+        return self.actor == ACTORS.index(Actor.POLICY)
+
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """(T,) whether nobody drove and the robot was held."""
+        return self.actor == ACTORS.index(Actor.HOLD)
+
+    @property
+    def in_place_of_policy(self) -> NDArray[np.bool_]:
+        """(T,) whether expert, operator or fallback controller drove."""
+        return np.isin(self.actor, IN_PLACE_OF_POLICY)
+
+    @property
+    def has_label(self) -> NDArray[np.bool_]:
+        """(T,) which steps there is something to learn from."""
+        return self.query & self.has_labelled
+
+    @property
+    def labels(self) -> NDArray[np.float32]:
+        """(T, a) what to learn from; NaN where there is nothing."""
+        return np.where(self.has_label[:, None], self.labelled, np.nan).astype(self.labelled.dtype)
+
+
+def intervened(step: Step, driven: bool) -> bool:
+    """Tell whether somebody else than the policy acted in `step`, though there was one to act.
+
+    Runs of such steps are the interventions: the one definition for tables, stores, pages and
+    results. There was a policy where a checkpoint drove the episode (`driven`), where one proposed,
+    and where its proposal was invalid, which is recorded as none.
+    """
+    has_policy = (
+        driven or step.proposed is not None or step.decision.reason is Reason.INVALID_PROPOSAL
+    )
+    return has_policy and step.decision.actor is not Actor.POLICY
+
+
+def stacked(rows: Sequence[NDArray]) -> NDArray:
+    """(T, ...) as np.stack makes it, in half the time; raises ValueError for several shapes."""
+    if len({row.shape for row in rows}) != 1:
+        raise ValueError("all must have the same shape")
+    return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
+
+
+def _filled(actions: Sequence[Action | None], size: int) -> NDArray:
+    """(T, size) with NaN where there is no action, so that no reader takes it for one."""
+    there = [action for action in actions if action is not None]
+    if len(there) == len(actions):
+        return stacked(there)
+    filled = np.full((len(actions), size), np.nan, dtype=np.float32)
+    if there:
+        rows = stacked(there)
+        # A silent conversion would hide an action of another type.
+        filled = filled.astype(np.result_type(filled, rows), copy=False)
+        filled[[action is not None for action in actions]] = rows
+    return filled
