@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from sheath_manip.gates.fitted import FittedGate, Sources
-from sheath_manip.gates.making import LOOKING
+from sheath_manip.gates.making import GATES
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import fit_gate, recalibrated
@@ -84,7 +84,7 @@ class Checkpoints:
                 learned = method.initial_policy(first.policy.arrays())
                 policy = self._fresh_policy(plan).load(learned)
             config = plan.gate
-            if config.kind not in LOOKING:
+            if not GATES[config.kind].looks:
                 # Without the threshold of the gate that all others begin with.
                 fitted = FittedGate(config, policy, sources=first.fitted.sources)
                 return replace(first, policy=policy, policy_name=plan.policy.name, fitted=fitted)
@@ -155,7 +155,7 @@ class Checkpoints:
         visited: Samples | None = None,
     ) -> Checkpoint:
         sources = Sources(tuple(names), self.held_out)
-        if plan.gate.kind in LOOKING:
+        if GATES[plan.gate.kind].looks:
             fit = fit_gate(
                 policy,
                 states,
