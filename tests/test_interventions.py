@@ -1,4 +1,4 @@
-"""An intervention is counted once, whoever counts: tables, the store, playback and the page."""
+"""An intervention is counted once, no matter who counts: tables, the store, playback and the page."""
 
 from dataclasses import replace
 
