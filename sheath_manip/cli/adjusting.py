@@ -44,9 +44,9 @@ class Adjusting:
 
     driver: AdjustedPolicy
     parts: tuple[Maker, ...]
-    """of the page"""
+    """Factories of the page's further parts."""
     states: Samples | None
-    """that the checkpoint was fitted to, where they are known"""
+    """States that the checkpoint was fitted to, where they are known."""
 
 
 def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:

@@ -23,7 +23,7 @@ class Benchmark(Comparing):
     """
 
     seeds: tuple[int, ...] | None = None
-    """of the training runs; the plan's by default"""
+    """seeds of the training runs (default: from the plan)"""
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
@@ -51,7 +51,7 @@ class Experiment(Comparing, Planned):
     schedule: Annotated[Schedule, WITHOUT_PREFIX] = field(default_factory=Schedule)
     comparison: Annotated[Comparison, WITHOUT_PREFIX] = field(default_factory=Comparison)
     figures: tuple[str, ...] | None = None
-    """file names of the figures to draw; all by default"""
+    """file names of the figures to draw (default: all)"""
     dashboard: bool = False
     """show the run in the browser, and run all in this process"""
     hold: bool = False
@@ -65,7 +65,7 @@ class Experiment(Comparing, Planned):
 
     @classmethod
     def settings(cls, plan: LearningPlan) -> dict[str, Any]:
-        """All of `plan`."""
+        """Return the settings, which are all of `plan`."""
         return {name: getattr(plan, name) for name in ("policy", "gate", "schedule", "comparison")}
 
     def run(self, session: Session) -> int:
@@ -107,7 +107,7 @@ class Experiment(Comparing, Planned):
         return 0
 
     def processes(self) -> int:
-        """How many workers; none but this process with a page."""
+        """Return the number of workers; none but this process with a page."""
         workers = super().processes()
         if not self.dashboard:
             return workers

@@ -23,22 +23,22 @@ if TYPE_CHECKING:
     from sheath_manip.rollout.request import Driver
 
 PERSON = "person"
-"""the name of a person among a task's experts"""
+"""Name of a person among a task's experts."""
 HOLD = "hold"
 """the stand-in that leaves the robot where it is"""
 
 
 @dataclass(frozen=True)
 class Operating:
-    """How a person operates; only with a person as the expert."""
+    """Options on how a person operates; only with a person as the expert."""
 
     fallback: str = SCRIPTED
-    """who acts where a person is asked and does not come: the scripted expert, or a stand-in that
-    the task has, such as hold or back-up"""
+    """controller that acts if no operator takes over within --wait-s: the scripted expert, or a
+    stand-in that the task has, such as hold or back-up"""
     wait_s: float = WAIT_S
-    """for the person, before the fallback acts"""
+    """seconds to wait for the person before the fallback acts"""
     speed: float = 1.0
-    """1 is the task's control rate; the page's slider multiplies it"""
+    """speed of the run: 1 is the task's control rate; the page's slider multiplies it"""
     spacemouse: bool = False
     """read the SpaceMouse that is plugged in here"""
 

@@ -35,10 +35,10 @@ class Address:
     """Where the dashboard listens."""
 
     host: str = "127.0.0.1"
-    """address to listen on; other machines reach the page only where it is not the loopback's, and
-    then should do so through TLS"""
+    """address of the page to listen on; other machines reach the page only where it is not the
+    loopback's, and then should do so through TLS"""
     port: int = 8080
-    """0 takes any free one"""
+    """port of the page; 0 takes any free one"""
 
     @contextmanager
     def dashboard(
@@ -88,7 +88,7 @@ def is_loopback(host: str) -> bool:
 
 
 def spec_of(task: Task) -> TaskSpec:
-    """What the page must know before there is a run."""
+    """Return what the page must know before there is a run."""
     environment = task.make()
     environment.close()
     return environment.spec

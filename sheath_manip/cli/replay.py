@@ -27,13 +27,14 @@ class Replay:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     episode: str = "0"
-    """to begin with: name, or place in `sheath data list`, from 0; -1 is the last"""
+    """episode to begin with: its name, or its place in `sheath data list`, from 0; -1 is the
+    last"""
     speed: float = 1.0
-    """1 is the episode's control rate, 2 twice as fast"""
+    """speed of the replay: 1 is the episode's control rate, 2 twice as fast"""
     variant: str | None = None
-    """of the task that old episodes were recorded in, which do not say theirs"""
+    """variant of the task in which old episodes were recorded that do not say theirs"""
     once: bool = False
-    """end after the first time"""
+    """end after the episodes were shown once"""
     export: Path | None = None
     """write the episode to this .mp4 or .html file, and show no page"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)

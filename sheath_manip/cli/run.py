@@ -28,11 +28,11 @@ class Run:
     checkpoint: Path
     """file of the policy and its gate, as `sheath train` and `sheath experiment` write it"""
     episodes: int = 5
-    """how many"""
+    """number of episodes"""
     seed: int = 0
-    """from which the scenes follow"""
+    """seed from which the scenes follow"""
     variant: str = "default"
-    """of the task"""
+    """variant of the task"""
     store: Path | None = None
     """directory to record into; nothing is recorded without it"""
     trained_on: Path | None = None
@@ -42,7 +42,7 @@ class Run:
     """who takes over: the scripted one, a stand-in that the task has, such as hold or back-up, or a
     person, who is asked on the page and may take over there at any time"""
     policy_alone: bool = False
-    """without gate and expert"""
+    """let the policy act without gate and expert"""
     dashboard: bool = False
     """show the run in the browser"""
     operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)

@@ -46,7 +46,7 @@ class Train(Planned):
     calibration: int = Schedule.calibration
     """expert episodes held out for the threshold, at least 3"""
     seed: int = 0
-    """of the policy's first weights and the order of its batches"""
+    """seed of the policy's first weights and the order of its batches"""
     cache: Path | None = None
     """directory to keep the training states in, where they shall not be read into memory: files
     that are written once per set of episodes and mapped"""
@@ -58,7 +58,7 @@ class Train(Planned):
 
     @classmethod
     def settings(cls, plan: LearningPlan) -> dict[str, Any]:
-        """What `plan` says of policy, gate and held-out episodes."""
+        """Return what `plan` says of policy, gate and held-out episodes."""
         calibration = plan.schedule.calibration
         return {"policy": plan.policy, "gate": plan.gate, "calibration": calibration}
 

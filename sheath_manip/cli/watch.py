@@ -27,15 +27,16 @@ class Watch:
     checkpoint: Path | None = None
     """file of the policy and its gate; the expert drives where none is given"""
     store: Path | None = None
-    """directory of the episodes that it was trained on: shows its support, and lets ν be changed"""
+    """directory of the episodes that the policy was trained on: shows its support, and lets ν be
+    changed"""
     episodes: int | None = None
-    """end after so many"""
+    """number of episodes after which to end (default: never)"""
     seed: int = 0
-    """from which the scenes follow"""
+    """seed from which the scenes follow"""
     variant: str = "default"
-    """of the task"""
+    """variant of the task"""
     speed: float = 1.0
-    """1 is the task's control rate, 2 twice as fast"""
+    """speed of the run: 1 is the task's control rate, 2 twice as fast"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:

@@ -44,5 +44,5 @@ class Moment:
 
     @property
     def episode(self) -> Share:
-        """Of this episode as far as `at`."""
+        """This episode as far as `at`."""
         return Share.of(self.trace.until(self.at + 1))

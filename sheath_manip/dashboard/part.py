@@ -12,7 +12,7 @@ from sheath_manip.types import TaskSpec
 
 @dataclass(frozen=True, eq=False)
 class Desk:
-    """What a part is built on.
+    """The context that a part is built in.
 
     A part's callbacks run on viser's thread: they only take note of what a person asks for, clamp
     it, and call `wake`. The one that can do it (control loop, worker, drawer) looks there.
@@ -43,7 +43,7 @@ Maker = Callable[[Desk], Part]
 
 @dataclass(frozen=True)
 class Layout:
-    """Which parts a page has, and where."""
+    """The parts that a page has, and where."""
 
     world: tuple[Maker, ...] = ()
     """in the 3-D scene, or in windows of their own"""

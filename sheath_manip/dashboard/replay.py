@@ -65,7 +65,7 @@ class Replay:
 
     @property
     def address(self) -> str:
-        """Where to point the browser; contains the token, so print it for the person only."""
+        """The address for the browser; contains the token, so print it for the person only."""
         return self._server.access.address
 
     def run(self, place: int) -> None:

@@ -100,7 +100,7 @@ class SceneView:
 
 
 def same_scene(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
-    """Whether the two show the same shapes."""
+    """Return whether the two show the same shapes."""
     return len(left) == len(right) and all(map(_same_geom, left, right))
 
 

@@ -19,7 +19,7 @@ class Seldom:
         self._skipped = False
 
     def due(self, moment: Moment) -> bool:
-        """Whether to draw this one."""
+        """Return whether to draw this time."""
         now_s = time.monotonic()
         stands = moment.paused or moment.outcome is not None
         jumped = abs(moment.at - self._at) > JUMP_STEPS

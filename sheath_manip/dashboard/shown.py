@@ -1,4 +1,4 @@
-"""From an episode and a step in it to the moment that a page shows."""
+"""Makes the moment that a page shows from an episode and a step in it."""
 
 from collections.abc import Mapping, Sequence
 

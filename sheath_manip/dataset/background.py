@@ -12,7 +12,7 @@ from sheath_manip.types import Episode
 
 
 class BackgroundRecorder(Recorder):
-    """As `Recorder`, used as a context, at whose end every episode is on the disk.
+    """A `Recorder` that writes in the background; a context, at whose end all is on the disk.
 
     A process of its own compresses and writes it, and a thread waits for that. One episode is
     written at a time: the next one waits for it. What went wrong is raised when the next episode

@@ -1,4 +1,4 @@
-"""Where episodes can be: a directory of this machine, or a URL of an object store."""
+"""The places where episodes can be: a directory of this machine, or a URL of an object store."""
 
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit

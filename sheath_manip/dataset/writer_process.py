@@ -25,7 +25,7 @@ serve(sys.argv[1], sys.stdin.buffer, sys.stdout.buffer)
 
 
 class WriterProcess:
-    """Its `adopt` is that of the store at `path`, in another process; to be closed.
+    """A process that adopts episodes into the store at `path`; to be closed.
 
     What it has been handed whole it writes to the end, also where this process is killed meanwhile.
     Raises StoreError where it cannot be started.
@@ -49,11 +49,14 @@ class WriterProcess:
 
     @property
     def process_id(self) -> int:
-        """Of the operating system's."""
+        """The process id that the operating system gave."""
         return self._process.pid
 
     def adopt(self, recorded: Recorded) -> None:
-        """As `EpisodeStore.adopt`; raises StoreError also where the process is gone."""
+        """Store an episode as `EpisodeStore.adopt` does.
+
+        Raises StoreError also where the process is gone.
+        """
         requests, answers = self._process.stdin, self._process.stdout
         assert requests is not None
         assert answers is not None

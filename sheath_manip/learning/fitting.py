@@ -1,4 +1,4 @@
-"""From a fitted policy to its gate: signal and threshold, each state looked at once."""
+"""Fits the gate of a fitted policy: signal and threshold, each state looked at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -81,7 +81,7 @@ class EgocentricPolicy(Memoryless):
         return largest_deviations(self.spec.action, proposal.now, labels)
 
     def arrays(self) -> Arrays:
-        """Those of the policy that sees."""
+        """Return the arrays of the policy that sees."""
         return self.seeing.arrays()
 
     def load(self, arrays: Arrays) -> Self:

@@ -6,14 +6,14 @@ from sheath_manip.protocols import Arrays
 
 
 def prefixed(parts: Mapping[str, Arrays]) -> Arrays:
-    """All arrays of all parts, each named `part/array`."""
+    """Return all arrays of all parts, each named `part/array`."""
     return {
         f"{name}/{key}": array for name, arrays in parts.items() for key, array in arrays.items()
     }
 
 
 def part(arrays: Arrays, name: str) -> Arrays:
-    """Those of one part, under their own names again."""
+    """Return the arrays of one part, under their own names again."""
     start = f"{name}/"
     return {
         key.removeprefix(start): array for key, array in arrays.items() if key.startswith(start)

@@ -36,7 +36,7 @@ class SideBySide:
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether any part does."""
+        """Whether any part's `fit` needs `Seen.displaced`."""
         return any(embedding.uses_displaced for embedding in self.embeddings.values())
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -65,7 +65,7 @@ class SideBySide:
         return np.concatenate(parts, axis=1)
 
     def arrays(self) -> Arrays:
-        """Those of each part, and the parts' factors."""
+        """Return the arrays of each part, and the parts' factors."""
         learned = {name: embedding.arrays() for name, embedding in self.embeddings.items()}
         factors = {f"factor/{name}": np.array(factor) for name, factor in self.factors_.items()}
         return {**prefixed(learned), **factors}

@@ -124,7 +124,7 @@ class SmileMixture:
         return member_weights(self.alpha, len(self.members_))
 
     def arrays(self) -> Arrays:
-        """Those of each policy, by its number."""
+        """Return the arrays of each policy, by its number."""
         self.weights()
         return prefixed({str(j): member.arrays() for j, member in enumerate(self.members_)})
 

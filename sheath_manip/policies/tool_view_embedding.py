@@ -58,7 +58,7 @@ class FromTool:
         return self
 
     def _shown(self, seen: Seen) -> Seen:
-        """As the other embedding knows its readings."""
+        """Look up readings as the other embedding does."""
         readings: dict[Hashable, NDArray] = {
             reader.reader: seen.readings[reader]
             for reader in self._readers

@@ -75,7 +75,7 @@ class JoinedSignal:
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether any of them does."""
+        """Whether any signal's `fit` needs `Seen.displaced`."""
         return any(signal.uses_displaced for signal in self.signals.values())
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -138,7 +138,7 @@ class JoinedSignal:
         return self.signals[rarest].blames(measures[place : place + 1])
 
     def arrays(self) -> Arrays:
-        """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""
+        """Return each signal's arrays, and the (m,) sorted scores of held-out expert steps."""
         learned = {name: signal.arrays() for name, signal in self.signals.items()}
         references = {f"reference/{name}": each.scores for name, each in self.references_.items()}
         return {**prefixed(learned), **references}

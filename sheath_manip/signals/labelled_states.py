@@ -84,5 +84,5 @@ class LabelledStates:
 
 
 def distances(squares: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Their roots."""
+    """Return the distances, roots of the squared ones."""
     return np.sqrt(np.maximum(squares, 0)).astype(np.float64)

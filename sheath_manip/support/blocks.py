@@ -41,7 +41,7 @@ class BlockSolver:
 
     @classmethod
     def of(cls, points: NDArray, c: float, most: NDArray, signs: NDArray) -> "BlockSolver":
-        """For (n, d) points with their mean near 0."""
+        """Make blocks for (n, d) points with their mean near 0."""
         return cls(row_factor(points, 0.0), c, most, signs)
 
     def solve(

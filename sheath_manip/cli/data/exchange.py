@@ -24,20 +24,22 @@ class ExportStore:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     out: FilePath
-    """what to write, where nothing may be yet: for replay-buffer a directory or a .zarr.zip, for
+    """path to write to, where nothing may be yet: for replay-buffer a directory or a .zarr.zip, for
     robomimic an .hdf5 file, else a directory"""
     format: str
-    """of which tool: replay-buffer, robomimic, lerobot, minari, or that of an installed package"""
+    """name of the format: replay-buffer, robomimic, lerobot, minari, or that of an installed
+    package"""
     successes: bool = False
-    """only episodes that succeeded"""
+    """export only episodes that succeeded"""
     expert_steps: bool = False
-    """only steps in which the expert acted, each run of them as an episode"""
+    """export only steps in which the expert acted, each run of them as an episode"""
     rounds: tuple[int, ...] = ()
-    """only episodes of these rounds"""
+    """export only episodes of these rounds (default: of all)"""
     action: Annotated[ActionChoice, ByValue] = ActionChoice.EXECUTED
-    """which is `the` action there; labelled leaves out the steps that nobody labelled"""
+    """action that is exported as `the` action; labelled leaves out the steps that nobody
+    labelled"""
     bad_steps: bool = False
-    """also what a person marked as bad in `sheath replay`"""
+    """export also what a person marked as bad in `sheath replay`"""
 
     def run(self, session: Session) -> int:
         """Write it, then print what was written."""
@@ -65,22 +67,22 @@ class ImportStore:
     """
 
     file: FilePath
-    """a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
+    """file to import: a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
     store: StoreAddress
     """directory for the episodes; made where there is none"""
     format: str
-    """of which tool: replay-buffer, robomimic, or that of an installed package"""
+    """name of the format: replay-buffer, robomimic, or that of an installed package"""
     keys: tuple[str, ...] = ()
     """what the file's keys mean: images/CAMERA=KEY, features=KEY,KEY,..., action=KEY, reward=KEY,
     state=KEY; in robomimic's files an observation is obs/NAME"""
     task: str | None = None
     """name of the task"""
     control_rate_hz: float | None = None
-    """control steps a second"""
+    """control steps a second of the recordings"""
     outcome: Annotated[Outcome, ByValue] = Outcome.SUCCESS
     """how the episodes ended; demonstrations are mostly published where they succeeded"""
     method: str | None = None
-    """who recorded them; by default the file's name"""
+    """name of the method that recorded the episodes (default: the file's name)"""
 
     def run(self, session: Session) -> int:
         """Append them, then print how many."""

@@ -22,7 +22,7 @@ class MergeStores:
     """
 
     stores: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="STORE...")]
-    """directories or URLs to copy from"""
+    """stores to copy from: directories or URLs"""
     into: str
     """directory or URL to copy to, such as s3://bucket/demos; begun where there is none"""
 
@@ -54,11 +54,11 @@ class SplitStore:
     store: StoreAddress
     """directory of the episodes, or a URL; it stays as it is"""
     parts: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="PART=SHARE...")]
-    """such as train=0.8 test=0.2"""
+    """names and shares of the parts, such as train=0.8 test=0.2"""
     into: Path
     """new directory for a store of each part"""
     seed: int = 0
-    """of the draw"""
+    """seed of the draw of episodes"""
 
     def run(self, session: Session) -> int:
         """Copy, then print how many went where."""
@@ -87,7 +87,7 @@ class DropEpisodes:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     episodes: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="NAME...")]
-    """names of `sheath data list`"""
+    """names of the episodes, as `sheath data list` prints them"""
 
     def run(self, session: Session) -> int:
         """Delete them; none is deleted where one is not there."""
@@ -114,7 +114,8 @@ class RepairStore:
     store: StoreAddress
     """directory of the episodes"""
     idle_s: float = 600.0
-    """for which nobody must have written to a leftover: it may be a recording in progress"""
+    """seconds since a leftover was last written to, below which it may be a recording in
+    progress"""
 
     def run(self, session: Session) -> int:
         """Repair, then print what was done and what is still wrong; 1 where data is affected."""

@@ -16,7 +16,7 @@ Exporting = Callable[[int, str], tuple[str, bytes]]
 
 
 class Export:
-    """Nothing is written on this machine: the browser downloads it."""
+    """A button by which the browser downloads the episode; nothing is written on this machine."""
 
     def __init__(self, desk: Desk, player: Player, exporting: Exporting) -> None:
         gui = desk.viser.gui
@@ -37,4 +37,4 @@ class Export:
             player.do(work, f"making the {kind}; this takes some seconds …")
 
     def draw(self, moment: Moment) -> None:
-        """Nothing changes here."""
+        """Do nothing: the button stays as it is."""

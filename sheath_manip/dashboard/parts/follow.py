@@ -19,5 +19,8 @@ class FollowBox:
             desk.wake()
 
     def draw(self, moment: Moment) -> None:
-        """Only a person changes it; a task without a tool has nothing to follow."""
+        """Show whether there is a tool to follow, which only a person switches.
+
+        A task without a tool has none.
+        """
         self._box.visible = moment.pose.tool_m is not None

@@ -15,7 +15,7 @@ NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with th
 
 
 class LearningCurves:
-    """By round, each method a line; several training seeds are averaged."""
+    """Curves of learning by round, each method a line; several training seeds are averaged."""
 
     def __init__(self, desk: Desk) -> None:
         gui = desk.viser.gui

@@ -1,4 +1,4 @@
-"""In the scene: lines that move and grow."""
+"""A widget in the scene: lines that move and grow."""
 
 import numpy as np
 import viser
@@ -12,7 +12,7 @@ THICKNESS_PX = 4.0
 
 
 class Lines:
-    """One viser node a line, moved as it is."""
+    """Lines in the scene: one viser node each, moved as it is."""
 
     def __init__(self, desk: Desk) -> None:
         self._scene = desk.viser.scene

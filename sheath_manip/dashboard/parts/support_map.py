@@ -21,7 +21,10 @@ NO_TRAINING = "The support appears here with the first training states."
 
 
 class SupportMap:
-    """In the task's plane, on its ground; else in a projection of what is observed."""
+    """A map of the support in the task's plane, on its ground.
+
+    Where the task has no plane, a projection of what is observed takes its place.
+    """
 
     def __init__(self, desk: Desk) -> None:
         gui, spec = desk.viser.gui, desk.spec

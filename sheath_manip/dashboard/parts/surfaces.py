@@ -1,4 +1,4 @@
-"""In the scene: what deforms."""
+"""A widget in the scene: what deforms."""
 
 import numpy as np
 import viser
@@ -9,7 +9,7 @@ from sheath_manip.dashboard.scene import WORLD
 
 
 class Surfaces:
-    """One mesh a surface, its vertices moved and its faces changed as they are."""
+    """Surfaces in the scene: one mesh each, its vertices and faces changed as they are."""
 
     def __init__(self, desk: Desk) -> None:
         self._scene = desk.viser.scene

@@ -1,4 +1,4 @@
-"""In the scene: the way of the tool, coloured by who acted, and where bodies touch."""
+"""A widget in the scene: the way of the tool, coloured by who acted, and where bodies touch."""
 
 import numpy as np
 import viser
@@ -23,7 +23,7 @@ POINT_M = 0.05
 
 
 class Trail:
-    """One line of segments, and one cloud of points."""
+    """The tool's trail: one line of segments, and one cloud of points."""
 
     def __init__(self, desk: Desk) -> None:
         scene, view = desk.viser.scene, desk.spec.first_view

@@ -16,7 +16,7 @@ class Trouble:
         self._box = desk.viser.gui.add_html("", visible=False)
 
     def draw(self, moment: Moment) -> None:
-        """What can be drawn is not out of date."""
+        """Hide the notice: what can be drawn is not out of date."""
         del moment
         self._box.visible = False
 
