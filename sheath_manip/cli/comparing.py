@@ -3,8 +3,9 @@
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
-from sheath_manip.cli.options import TaskName
+from sheath_manip.cli.options import TaskName, default_is
 from sheath_manip.exceptions import ParameterError
 
 WORKERS = 2
@@ -22,14 +23,16 @@ class Comparing:
     one"""
     quick: bool = False
     """the small version, in minutes: the same as --plan quick"""
-    out: Path | None = None
-    """directory for summary.json and figures; results/TASK, or beside the runs of another plan"""
-    runs: Path | None = None
-    """directory for episodes and checkpoints; runs/TASK, or runs/TASK-PLAN for another plan"""
+    out: Annotated[Path | None, default_is("results/TASK, or beside the runs of another plan")] = (
+        None
+    )
+    """directory for summary.json and figures"""
+    runs: Annotated[Path | None, default_is("runs/TASK, or runs/TASK-PLAN for another plan")] = None
+    """directory for episodes and checkpoints"""
     fresh: bool = False
     """begin anew and move aside what an earlier run left"""
-    workers: int | None = None
-    """number of processes (default: at most 2)"""
+    workers: Annotated[int | None, default_is("at most 2")] = None
+    """number of processes"""
 
     @property
     def size(self) -> str:

@@ -4,7 +4,7 @@ import ipaddress
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -28,6 +28,11 @@ StoreAddress = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STORE
 """a directory or a URL, which a Path would spoil"""
 WITHOUT_PREFIX = tyro.conf.arg(name="")
 """of options that are grouped in the program but not on the line"""
+
+
+def default_is(words: str) -> Any:
+    """Return a mark of an option by which its help names its effective default, not None."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {words})")
 
 
 @dataclass(frozen=True)

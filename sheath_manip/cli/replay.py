@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rich.text import Text
 
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.task import Task
@@ -31,11 +31,11 @@ class Replay:
     last"""
     speed: float = 1.0
     """speed of the replay: 1 is the episode's control rate, 2 twice as fast"""
-    variant: str | None = None
+    variant: Annotated[str | None, default_is("the one that the episode says")] = None
     """variant of the task in which old episodes were recorded that do not say theirs"""
     once: bool = False
     """end after the episodes were shown once"""
-    export: Path | None = None
+    export: Annotated[Path | None, default_is("a page is shown")] = None
     """write the episode to this .mp4 or .html file, and show no page"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from sheath_manip.cli.operated import PERSON, Operating
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is, spec_of
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Listener
@@ -33,9 +33,9 @@ class Run:
     """seed from which the scenes follow"""
     variant: str = "default"
     """variant of the task"""
-    store: Path | None = None
-    """directory to record into; nothing is recorded without it"""
-    trained_on: Path | None = None
+    store: Annotated[Path | None, default_is("nothing is recorded")] = None
+    """directory to record into"""
+    trained_on: Annotated[Path | None, default_is("no support is shown")] = None
     """directory of the episodes that the checkpoint was trained on, for a person: shows the
     support on the page, and lets ν be changed there, not only the threshold"""
     expert: str = SCRIPTED

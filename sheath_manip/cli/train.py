@@ -4,13 +4,13 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from sheath_manip.cli.options import TaskName
+from sheath_manip.cli.options import TaskName, default_is
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
@@ -47,7 +47,7 @@ class Train(Planned):
     """expert episodes held out for the threshold, at least 3"""
     seed: int = 0
     """seed of the policy's first weights and the order of its batches"""
-    cache: Path | None = None
+    cache: Annotated[Path | None, default_is("states are read into memory")] = None
     """directory to keep the training states in, where they shall not be read into memory: files
     that are written once per set of episodes and mapped"""
 

@@ -7,7 +7,7 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated
 
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.rollout.pacing import Pacing
@@ -24,13 +24,13 @@ class Watch:
 
     task: TaskName
     """name of the task, as `sheath tasks` lists it"""
-    checkpoint: Path | None = None
-    """file of the policy and its gate; the expert drives where none is given"""
-    store: Path | None = None
+    checkpoint: Annotated[Path | None, default_is("the expert drives")] = None
+    """file of the policy and its gate"""
+    store: Annotated[Path | None, default_is("no support is shown")] = None
     """directory of the episodes that the policy was trained on: shows its support, and lets ν be
     changed"""
-    episodes: int | None = None
-    """number of episodes after which to end (default: never)"""
+    episodes: Annotated[int | None, default_is("until it is stopped")] = None
+    """number of episodes after which to end"""
     seed: int = 0
     """seed from which the scenes follow"""
     variant: str = "default"

@@ -7,7 +7,7 @@ from typing import Annotated
 import tyro
 from rich.text import Text
 
-from sheath_manip.cli.options import StoreAddress
+from sheath_manip.cli.options import StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
 from sheath_manip.exceptions import ParameterError
@@ -33,8 +33,8 @@ class ExportStore:
     """export only episodes that succeeded"""
     expert_steps: bool = False
     """export only steps in which the expert acted, each run of them as an episode"""
-    rounds: tuple[int, ...] = ()
-    """export only episodes of these rounds (default: of all)"""
+    rounds: Annotated[tuple[int, ...], default_is("all")] = ()
+    """export only episodes of these rounds"""
     action: Annotated[ActionChoice, ByValue] = ActionChoice.EXECUTED
     """action that is exported as `the` action; labelled leaves out the steps that nobody
     labelled"""
@@ -72,17 +72,17 @@ class ImportStore:
     """directory for the episodes; made where there is none"""
     format: str
     """name of the format: replay-buffer, robomimic, or that of an installed package"""
-    keys: tuple[str, ...] = ()
+    keys: Annotated[tuple[str, ...], default_is("the format's own")] = ()
     """what the file's keys mean: images/CAMERA=KEY, features=KEY,KEY,..., action=KEY, reward=KEY,
     state=KEY; in robomimic's files an observation is obs/NAME"""
-    task: str | None = None
+    task: Annotated[str | None, default_is("as the file says")] = None
     """name of the task"""
-    control_rate_hz: float | None = None
+    control_rate_hz: Annotated[float | None, default_is("as the file says")] = None
     """control steps a second of the recordings"""
     outcome: Annotated[Outcome, ByValue] = Outcome.SUCCESS
     """how the episodes ended; demonstrations are mostly published where they succeeded"""
-    method: str | None = None
-    """name of the method that recorded the episodes (default: the file's name)"""
+    method: Annotated[str | None, default_is("the file's name")] = None
+    """name of the method that recorded the episodes"""
 
     def run(self, session: Session) -> int:
         """Append them, then print how many."""
