@@ -37,7 +37,7 @@ class Format:
     write: Writer | None = None
     """None where nothing is written for it"""
     open: Callable[[Path], ForeignFile] | None = None
-    """from the path; None where nothing is read of it; raises StoreError for another kind of file"""
+    """from the path; None where nothing is read of it; StoreError for another kind of file"""
 
 
 _HERE = "sheath_manip.dataset.exchange"
