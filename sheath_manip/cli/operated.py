@@ -11,6 +11,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.playback.labels import FALLBACK
 from sheath_manip.protocols import Environment, Expert, Listener
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.task import SCRIPTED, Task
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 PERSON = "person"
 """the name of a person among a task's experts"""
 HOLD = "hold"
-"""the stand-in that leaves the robot where it is"""
+"""the fallback controller that leaves the robot where it is"""
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ class Operating:
     """How a person operates; only with a person as the expert."""
 
     fallback: str = SCRIPTED
-    """who acts where a person is asked and does not come: the scripted expert, or a stand-in that
-    the task has, such as hold or back-up"""
+    """who acts where a person is asked and does not come: the scripted expert, or a fallback
+    controller that the task has, such as hold or back-up"""
     wait_s: float = WAIT_S
     """for the person, before the fallback acts"""
     speed: float = 1.0
@@ -70,8 +71,8 @@ class Operating:
         spec, hands = probe.spec, task.teleop(probe)
         task.make_expert(probe, self.fallback)
         probe.close()
-        stand_in = "scripted expert" if self.fallback == SCRIPTED else f"stand-in “{self.fallback}”"
-        cockpit = Cockpit(hands.guide, paced=True, stand_in=stand_in, planar=hands.planar)
+        stated = "scripted expert" if self.fallback == SCRIPTED else f"{FALLBACK} “{self.fallback}”"
+        cockpit = Cockpit(hands.guide, paced=True, fallback=stated, planar=hands.planar)
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         with ExitStack() as stack:
             if self.spacemouse:
