@@ -118,7 +118,7 @@ def test_without_a_camera_only_its_pictures_are_missing(summary, tmp_path):
 
 def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
     store = EpisodeStore.create(tmp_path / "store")
-    info = EpisodeInfo("toy", 5, Purpose.LEARNING, 10.0, "sheath", 1, run_seed=2)
+    info = EpisodeInfo("toy", 5, Purpose.LEARNING, 10.0, "sheath", 1, run_seed=2, variant="own")
     store.append(episode_of("p" * 20 + "eeee" + "p" * 20, info=info))
     made, restored = [], []
 
