@@ -5,15 +5,15 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from sheath_manip.dataset.samples import joined, samples_from, visited_from
 from sheath_manip.fitting import fit_gate
 from sheath_manip.measuring import measures_of
 
 from sheath_manip.gates import AlwaysExpert
 from sheath_manip.policies import make_policy
-from sheath_manip.rollout.loop import rollout
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.rollout import rollout
 from sheath_manip.types import EpisodeInfo, Purpose
-from sheath_manip.types.samples import joined, samples_from, visited_from
+from tasks.table import TASKS
 
 task, counts = TASKS[sys.argv[1]], [int(count) for count in sys.argv[2:]]
 plan = task.plans["full"]
