@@ -1,4 +1,4 @@
-"""An intervention is counted once, no matter who counts: tables, the store, playback and the page."""
+"""An intervention is one in tables, the store, playback and the page alike."""
 
 from dataclasses import replace
 

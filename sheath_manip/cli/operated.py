@@ -11,6 +11,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.playback.labels import FALLBACK
 from sheath_manip.protocols import Environment, Expert, Listener
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.task import SCRIPTED, Task
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 PERSON = "person"
 """Name of a person among a task's experts."""
 HOLD = "hold"
-"""the stand-in that leaves the robot where it is"""
+"""the fallback controller that leaves the robot where it is"""
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Operating:
 
     fallback: str = SCRIPTED
     """controller that acts if no operator takes over within --wait-s: the scripted expert, or a
-    stand-in that the task has, such as hold or back-up"""
+    fallback that the task has, such as hold or back-up"""
     wait_s: float = WAIT_S
     """seconds to wait for the person before the fallback acts"""
     speed: float = 1.0
@@ -70,8 +71,8 @@ class Operating:
         spec, hands = probe.spec, task.teleop(probe)
         task.make_expert(probe, self.fallback)
         probe.close()
-        stand_in = "scripted expert" if self.fallback == SCRIPTED else f"stand-in “{self.fallback}”"
-        cockpit = Cockpit(hands.guide, paced=True, stand_in=stand_in, planar=hands.planar)
+        stated = "scripted expert" if self.fallback == SCRIPTED else f"{FALLBACK} “{self.fallback}”"
+        cockpit = Cockpit(hands.guide, paced=True, fallback=stated, planar=hands.planar)
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         with ExitStack() as stack:
             if self.spacemouse:
@@ -106,7 +107,7 @@ class Crew:
         return replace(
             task,
             expert=partial(_made_inside, task.expert),
-            stand_ins={name: partial(_made_inside, make) for name, make in task.stand_ins.items()},
+            fallbacks={name: partial(_made_inside, make) for name, make in task.fallbacks.items()},
             variants={name: partial(self._made, make) for name, make in task.variants.items()},
             run_variants={
                 name: partial(self._made, make) for name, make in task.run_variants.items()

@@ -36,7 +36,7 @@ class Cockpit:
         guide: tuple[Binding, ...] = (),
         clock: Callable[[], float] = time.monotonic,
         paced: bool = False,
-        stand_in: str = State.stand_in,
+        fallback: str = State.fallback,
         planar: bool = False,
     ) -> None:
         """Begin with a run that goes on, at the task's own pace.
@@ -45,7 +45,7 @@ class Cockpit:
             guide: the keys by which a person drives; without any the run may only be held.
             clock: seconds that never go back.
             paced: whether the loop keeps to `speed`.
-            stand_in: who acts where a person is asked and does not come, in words.
+            fallback: who acts where a person is asked and does not come, in words.
             planar: whether what a gizmo moves stays level and at its height.
         """
         self.guide = guide
@@ -57,7 +57,7 @@ class Cockpit:
         self._news = threading.Condition()
         self._standing = Standing(operated=bool(guide))
         self._axes: tuple[float, SixAxes] | None = None
-        self._acting = State(operated=bool(guide), stand_in=stand_in)
+        self._acting = State(operated=bool(guide), fallback=fallback)
         """the loop's part of what the page shows: turn, asking, left_s"""
         self.given = EMPTY
         """what the person's devices said in this step"""

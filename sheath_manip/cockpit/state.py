@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from sheath_manip.playback.labels import FALLBACK
 from sheath_manip.types import Actor
 
 
@@ -26,5 +27,5 @@ class State:
     """until somebody else acts in the person's place"""
     operator: str | None = None
     """the station that drives"""
-    stand_in: str = "stand-in"
+    fallback: str = FALLBACK
     """who acts where nobody comes, in words"""

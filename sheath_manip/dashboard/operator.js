@@ -88,14 +88,14 @@ function (settings) {
       banner.style.background = colour;
       banner.textContent = text;
     };
-    const wait = state.left_s == null ? "" : ` The ${state.stand_in} acts in ${state.left_s} s.`;
+    const wait = state.left_s == null ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
     const alone = state.asking && !state.mine && !state.others;
     const paused = state.paused ? " Paused: P resumes." : "";
     if (state.stopped) say("EMERGENCY STOP. R resets it.", "#be1e2d");
     else if (state.abandoned)
       say(`The robot holds, since nobody drives any longer. T takes over, H lets the policy go on.${paused}`, "#d55e00");
     else if (alone && state.turn === "fallback")
-      say(`Nobody came, so the ${state.stand_in} acts. Take over with T.${paused}`, "#d55e00");
+      say(`Nobody came, so the ${state.fallback} acts. Take over with T.${paused}`, "#d55e00");
     else if (alone) say(`The robot holds and asks for you: take over with T.${wait}${paused}`, "#d55e00");
     else if (state.others) say(`Another page drives; you watch. Space stops the robot.${paused}`, "#6e747c");
     else if (state.mine && state.turn !== "operator")

@@ -105,7 +105,7 @@ class Crowd:
                 worker.process.join()
                 worker.connection.close()
             with self._lock:
-                # Also where this thread fails: else those who wait for an answer would wait for ever.
+                # Also where this thread fails: those who wait for an answer would wait for ever.
                 self._closing = True
                 begun = [each.ticket for each in self._hired if each.ticket is not None]
                 unanswered, self._hired = [*begun, *self._pending], []

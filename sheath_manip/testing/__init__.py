@@ -1,4 +1,4 @@
-"""Contract suites for members of the tables, no matter who wrote them; as scikit-learn checks estimators.
+"""Contract suites for members of the tables, as scikit-learn checks estimators.
 
 Each takes a member, or what makes one, and raises AssertionError with a sentence that says what the
 contract wants. They want no test framework:

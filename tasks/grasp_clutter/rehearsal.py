@@ -14,7 +14,7 @@ _LIFTED_M = 0.11
 def solvable(guide: GraspGuide, scene: Scene, start_rad: NDArray) -> bool:
     """Return whether the arm gets from (j,) `start_rad` around the scene's target and lifts it.
 
-    Nothing moves but the arm, and what it holds: an arm that passes never needs to touch the clutter.
+    Nothing moves but the arm, and what it holds: one that passes never needs to touch the clutter.
     """
     guide.begin(scene)
     positions = np.array([[each.x_m, each.y_m, 0.0] for each in scene.objects])

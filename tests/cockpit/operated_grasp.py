@@ -19,7 +19,7 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.entry import drive_of, hold, teleop
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
-from sheath_manip.types import Actor, EpisodeInfo, Observation, Purpose, Step
+from sheath_manip.types import Actor, EpisodeInfo, Purpose, Step
 from tests.judging import ByObservation
 from tests.waiting import DEADLINE_S, eventually
 from tools.scripted_person import Absent
@@ -27,6 +27,8 @@ from tools.scripted_person import Absent
 INFO = EpisodeInfo("grasp-clutter", 5, Purpose.LEARNING, 20.0, method="sheath")
 SCENARIO = Scenario(difficulty=EASY, cameras=(), time_limit_s=3600.0)
 """without pictures, and for as long as a browser takes"""
+WAIT_S = 3600.0
+FALLBACK = "fallback controller “hold”"
 
 
 @dataclass
@@ -35,6 +37,7 @@ class OperatedGrasp:
 
     page: Dashboard
     cockpit: Cockpit
+    gate: PersonGate
     inside: bool = True
     """what the gate says"""
     steps: list[Step] = field(default_factory=list)
@@ -49,8 +52,8 @@ class OperatedGrasp:
             f"the turn is {self.turns[-1:]}; wanted {turn}"
         )
 
-    def score(self, observation: Observation) -> float:
-        del observation
+    @property
+    def score(self) -> float:
         return 1.0 if self.inside else -1.0
 
     def on_fit(self, states) -> None:
@@ -73,7 +76,7 @@ class OperatedGrasp:
 
 
 @contextmanager
-def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
+def operated_grasp() -> Iterator[OperatedGrasp]:
     """The run, until the block ends."""
     ready: list[OperatedGrasp] = []
     failed: list[BaseException] = []
@@ -81,18 +84,19 @@ def operated_grasp(wait_s: float = 3600.0) -> Iterator[OperatedGrasp]:
     def run() -> None:
         inner = ComposerEnvironment(GraspTask(SCENARIO))
         by_hand = teleop(inner)
-        cockpit = Cockpit(by_hand.guide, paced=True)
+        cockpit = Cockpit(by_hand.guide, paced=True, fallback=FALLBACK)
         environment = OperatedEnvironment(inner, cockpit)
         standing = hold(inner)
         try:
             with Dashboard(inner.spec, port=0, cockpit=cockpit) as page:
-                grasp = OperatedGrasp(page, cockpit)
+                inside = SupportGate(ByObservation(lambda _: ready[0].score), 0.0)
+                gate = PersonGate(inside, cockpit, 20.0, wait_s=WAIT_S)
+                grasp = OperatedGrasp(page, cockpit, gate)
                 ready.append(grasp)
-                gate = SupportGate(ByObservation(grasp.score), 0.0)
                 rollout(
                     environment,
                     INFO,
-                    PersonGate(gate, cockpit, 20.0, wait_s=wait_s),
+                    gate,
                     rng=np.random.default_rng(0),
                     policy=Absent(drive_of(inner).rest),
                     others=beside_the_policy(cockpit, by_hand, hold=standing, fallback=standing),

@@ -6,6 +6,7 @@ import random
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -81,9 +82,15 @@ def test_what_the_store_has_is_read_and_not_run_again(tmp_path, serial):
     assert digest(store) == serial
 
 
-def test_without_a_store_episodes_come_without_images():
-    with ProcessExecutor(1) as executor:
-        (episode,) = executor.map(requests(1))
+@pytest.fixture(scope="module")
+def two() -> Iterator[ProcessExecutor]:
+    """Two processes for all tests that do not end them: each takes seconds to start."""
+    with ProcessExecutor(2) as executor:
+        yield executor
+
+
+def test_without_a_store_episodes_come_without_images(two):
+    (episode,) = two.map(requests(1))
     assert not episode.steps[0].observation.images
     assert episode.steps[0].observation.features.shape == (2,)
 
@@ -139,12 +146,9 @@ class Failing:
         raise ZeroDivisionError(f"at {self.at_index}")
 
 
-def test_an_error_in_a_worker_is_told_in_one_line(tmp_path):
-    with (
-        ProcessExecutor(1) as executor,
-        pytest.raises(WorkerError, match=r"^ZeroDivisionError: at 7$"),
-    ):
-        list(executor.map(requests(1, Failing(7)), EpisodeStore.create(tmp_path)))
+def test_an_error_in_a_worker_is_told_in_one_line(two, tmp_path):
+    with pytest.raises(WorkerError, match=r"^ZeroDivisionError: at 7$"):
+        list(two.map(requests(1, Failing(7)), EpisodeStore.create(tmp_path)))
 
 
 def test_an_episode_that_kills_every_worker_is_given_up():
@@ -152,16 +156,15 @@ def test_an_episode_that_kills_every_worker_is_given_up():
         list(executor.map(requests(1, Failing(deadly=True))))
 
 
-def test_what_cannot_be_pickled_is_told_and_the_next_is_run():
+def test_what_cannot_be_pickled_is_told_and_the_next_is_run(two):
     def unnamed(environment):
         return CORRIDOR.expert(environment)
 
     (request,) = requests(1)
-    with ProcessExecutor(1) as executor:
-        unsendable = replace(request, task=replace(CORRIDOR, expert=unnamed))
-        with pytest.raises(WorkerError, match=r"cannot be sent to a worker.*unnamed.*wanted a dr"):
-            list(executor.map([unsendable]))
-        assert len(list(executor.map([request]))) == 1
+    unsendable = replace(request, task=replace(CORRIDOR, expert=unnamed))
+    with pytest.raises(WorkerError, match=r"cannot be sent to a worker.*unnamed.*wanted a dr"):
+        list(two.map([unsendable]))
+    assert len(list(two.map([request]))) == 1
 
 
 def test_closed_in_the_midst_whoever_waits_is_told(tmp_path):
@@ -192,17 +195,15 @@ def test_closing_ends_the_workers_and_nothing_more_is_taken():
     executor.close()
 
 
-def test_several_threads_may_ask_at_once(tmp_path):
+def test_several_threads_may_ask_at_once(two, tmp_path):
     stores = [EpisodeStore.create(tmp_path / name) for name in ("one", "two")]
-    with ProcessExecutor(2) as executor:
-        threads = [
-            threading.Thread(target=lambda at=at: list(executor.map(requests(3), at)))
-            for at in stores
-        ]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+    threads = [
+        threading.Thread(target=lambda at=at: list(two.map(requests(3), at))) for at in stores
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
     assert digest(stores[0]) == digest(stores[1])
 
 

@@ -10,7 +10,7 @@ from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.playback import palette
-from sheath_manip.playback.labels import actor_label
+from sheath_manip.playback.labels import FALLBACK, actor_label
 from sheath_manip.types import Actor, GateDecision, Reason
 
 
@@ -32,8 +32,8 @@ class Banner:
             reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
             self._box.content = _held(reason)
         elif moment.step is not None:
-            stand_in = State.stand_in if state is None else state.stand_in
-            self._box.content = _banner(moment.step.decision, stand_in)
+            fallback = FALLBACK if state is None else state.fallback
+            self._box.content = _banner(moment.step.decision, fallback)
 
 
 def _stands_still(state: State) -> bool:
@@ -46,13 +46,13 @@ def _held(reason: Reason) -> str:
     return _box(palette.turn(Actor.HOLD, reason), label, reason.value)
 
 
-def _banner(decision: GateDecision, stand_in: str) -> str:
+def _banner(decision: GateDecision, fallback: str) -> str:
     actor, reason = decision.actor, decision.reason
     below = reason.value
     if np.isfinite(decision.score) and np.isfinite(decision.threshold):
         sign = "≥" if decision.score >= decision.threshold else "<"
         below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
-    return _box(palette.turn(actor, reason), actor_label(actor, reason, stand_in), below)
+    return _box(palette.turn(actor, reason), actor_label(actor, reason, fallback), below)
 
 
 def _box(colour: palette.Rgb, title: str, below: str) -> str:

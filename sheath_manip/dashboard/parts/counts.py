@@ -82,7 +82,7 @@ def _counts(
     return (
         f'<div style="{TEXT}"><table style="width:100%;text-align:right;line-height:1.25">'
         f'<tr style="opacity:.6">{headings}</tr>'
-        f"{row('expert acted', lambda share: f'{share.expert_share:.0%}')}"
+        f"{row('driven by others', lambda share: f'{share.expert_share:.0%}')}"
         f"{row('interventions', lambda share: share.interventions)}"
         f"{row('switches', lambda share: share.switches)}"
         f"{row('labels', lambda share: share.queries)}"

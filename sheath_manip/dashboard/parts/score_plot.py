@@ -35,7 +35,7 @@ class ScorePlot:
         self._after = round(ahead * steps)
         self._before = steps - self._after
         window_s = steps / spec.control_rate_hz
-        gui.add_html(caption("Support score", "threshold dashed, expert shaded"))
+        gui.add_html(caption("Support score", "threshold dashed; shaded: the policy does not act"))
         self._no_score = gui.add_html(note("This gate computes no score."))
         self._scores = gui.add_uplot(
             (np.zeros(1),) * 6,

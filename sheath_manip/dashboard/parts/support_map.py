@@ -10,12 +10,12 @@ from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.seldom import Seldom
 from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
 from sheath_manip.playback import palette
+from sheath_manip.playback.trace import Trace
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
-from sheath_manip.types import Actor
+from sheath_manip.types import ACTORS
 from sheath_manip.types.samples import Samples
 
 TRAIL_STEPS = 300
-TRAIL = (Actor.POLICY, Actor.EXPERT)
 RATE_HZ = 6.0
 NO_TRAINING = "The support appears here with the first training states."
 
@@ -61,14 +61,13 @@ class SupportMap:
         if self._picture is not None and self._seldom.due(moment):
             self._image.image = self._picture.draw(self._track_until(moment))
             self._image.visible = True
-            self._note.content = _legend() if self._levels is not None else note(NO_TRAINING)
+            self._note.content = (
+                _legend(moment.trace) if self._levels is not None else note(NO_TRAINING)
+            )
 
     def _track_until(self, moment: Moment) -> Track:
         shown = slice(max(moment.at + 1 - TRAIL_STEPS, 0), moment.at + 1)
-        actors = tuple(
-            Actor.POLICY if by_policy else Actor.EXPERT
-            for by_policy in moment.trace.by_policy[shown].tolist()
-        )
+        actors = tuple(ACTORS[place] for place in moment.trace.actor[shown])
         return Track(self._places(moment)[shown], actors)
 
     def _places(self, moment: Moment) -> NDArray[np.float64]:
@@ -81,10 +80,11 @@ class SupportMap:
         return self._track
 
 
-def _legend() -> str:
+def _legend(trace: Trace) -> str:
     nus = ", ".join(map(str, NUS))
-    trail = " and ".join(
-        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>' for actor in TRAIL
+    trail = ", ".join(
+        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>'
+        for actor in (ACTORS[place] for place in np.unique(trace.actor))
     )
     return (
         f'<div style="{TEXT}">trail of {trail} <span style="opacity:.6">· dots: training states · '

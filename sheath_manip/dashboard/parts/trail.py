@@ -8,9 +8,7 @@ from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
 from sheath_manip.playback import palette
-from sheath_manip.types import Actor
-
-ACTORS = (Actor.EXPERT, Actor.POLICY)
+from sheath_manip.types import ACTORS
 
 TRAIL_STEPS = 400
 """the latest"""
@@ -20,6 +18,8 @@ POINT_SHARE = 0.012
 """of the first view's radius: the size of a contact"""
 POINT_M = 0.05
 """where there is no first view"""
+COLOURS = np.array([palette.linear(palette.ACTOR[actor]) for actor in ACTORS], np.uint8)
+"""(actors, 3) by place in ACTORS"""
 
 
 class Trail:
@@ -55,10 +55,8 @@ class Trail:
         way = shown.tool_m[first:].astype(np.float32)
         drawable = len(way) > 1 and bool(np.isfinite(way).all())
         if drawable:
-            by_policy = shown.by_policy[first + 1 :]
-            expert, policy = (palette.linear(palette.ACTOR[actor]) for actor in ACTORS)
-            colours = np.where(by_policy[:, None], policy, expert)
-            _set_line(self._line, np.stack([way[:-1], way[1:]], 1), colours.astype(np.uint8))
+            colours = COLOURS[shown.actor[first + 1 :]]
+            _set_line(self._line, np.stack([way[:-1], way[1:]], 1), colours)
         self._line.visible = drawable
         contacts = moment.pose.contacts_m
         if len(contacts):

@@ -36,9 +36,9 @@ def export(
 ) -> Exported:
     """Write what `selection` takes of `reader` to `target`, where nothing may be yet.
 
-    `format` is a name in FORMATS; `report` is told the outcome of each episode. Raises StoreError where `target` exists or cannot
-    be written, where an episode is damaged or does not fit the others, and where nothing is
-    selected; then nothing is there.
+    `format` is a name in FORMATS; `report` is told the outcome of each episode. Raises StoreError
+    where `target` exists or cannot be written, where an episode is damaged or does not fit the
+    others, and where nothing is selected; then nothing is there.
     """
     if target.exists():
         raise StoreError(f"{target} exists, and it is kept; give a path where nothing is")

@@ -37,7 +37,7 @@ class Format:
     write: Writer | None = None
     """None where nothing is written for it"""
     open: Callable[[Path], ForeignFile] | None = None
-    """from the path; None where nothing is read of it; raises StoreError where it is no such file"""
+    """from the path, StoreError where it is no such file; None where nothing is read of it"""
 
 
 _HERE = "sheath_manip.dataset.exchange"
