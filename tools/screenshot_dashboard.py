@@ -186,8 +186,8 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
             spec = workplace.environment(task, "default", 0).spec
             subject = subject_of(task, options, spec, folder)
             adjusting = subject.adjusting
-            parts = () if adjusting is None else adjusting.parts
-            with Dashboard(spec, port=0, gate=parts) as dashboard:
+            widgets = () if adjusting is None else adjusting.widgets
+            with Dashboard(spec, port=0, gate=widgets) as dashboard:
                 shown.set_result(dashboard)
                 if adjusting is not None and adjusting.states is not None:
                     dashboard.on_fit(adjusting.states)
@@ -230,7 +230,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
 
     def drive() -> None:
         with (
-            operating.crew(task, Address(port=0), session, adjusting.parts) as crew,
+            operating.crew(task, Address(port=0), session, adjusting.widgets) as crew,
             SerialExecutor() as executor,
         ):
             addresses.append(crew.page.address)

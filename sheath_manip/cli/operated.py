@@ -20,7 +20,7 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.cockpit.driver import OperatedDriver
     from sheath_manip.dashboard import Dashboard
-    from sheath_manip.dashboard.part import Maker
+    from sheath_manip.dashboard.widget import WidgetFactory
     from sheath_manip.rollout.request import Driver
 
 PERSON = "person"
@@ -57,7 +57,7 @@ class Operating:
         task: Task,
         address: Address,
         session: Session,
-        gate: "tuple[Maker, ...]" = (),
+        gate: "tuple[WidgetFactory, ...]" = (),
     ) -> Iterator["Crew"]:
         """The page with its controls, and the parts of a run that go with it.
 

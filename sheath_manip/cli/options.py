@@ -15,7 +15,7 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.cockpit import Cockpit
     from sheath_manip.dashboard import Dashboard
-    from sheath_manip.dashboard.part import Maker
+    from sheath_manip.dashboard.widget import WidgetFactory
 
 NOT_LOOPBACK = (
     "Other machines can reach this page. They need the token of the address below, which travels "
@@ -51,7 +51,7 @@ class Address:
         spec: TaskSpec,
         session: Session,
         cockpit: "Cockpit | None" = None,
-        gate: "tuple[Maker, ...]" = (),
+        gate: "tuple[WidgetFactory, ...]" = (),
     ) -> Iterator["Dashboard"]:
         """The page, its address printed; taken down at the end. Raises SetupError (port taken).
 

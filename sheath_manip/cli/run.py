@@ -78,7 +78,7 @@ class Run:
         checkpoint = self._checkpoint(task)
         with session.err.status("reading"):
             adjusting = adjusted(self.checkpoint, checkpoint, self.trained_on, spec_of(task))
-        with self.operating.crew(task, self.address, session, adjusting.parts) as crew:
+        with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
             driver = crew.driver(adjusting.driver)

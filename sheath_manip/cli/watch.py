@@ -63,10 +63,10 @@ class Watch:
             with session.err.status("reading"):
                 adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec)
             driver = adjusting.driver
-        parts = () if adjusting is None else adjusting.parts
+        widgets = () if adjusting is None else adjusting.widgets
         with (
             SerialExecutor() as executor,
-            self.address.dashboard(spec, session, cockpit, parts) as page,
+            self.address.dashboard(spec, session, cockpit, widgets) as page,
             suppress(KeyboardInterrupt),
         ):
             if adjusting is not None and adjusting.states is not None:

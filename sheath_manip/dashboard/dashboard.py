@@ -14,11 +14,11 @@ from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk, Maker
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share, Tally
+from sheath_manip.dashboard.widget import WidgetContext, WidgetFactory
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.playback.film import Film
 from sheath_manip.protocols import Environment
@@ -44,7 +44,7 @@ class Dashboard:
         port: int = 8080,
         token: str | None = None,
         cockpit: Cockpit | None = None,
-        gate: tuple[Maker, ...] = (),
+        gate: tuple[WidgetFactory, ...] = (),
     ) -> None:
         """Open the page.
 
@@ -61,8 +61,8 @@ class Dashboard:
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
-        desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
-        self._page = Page(desk, live(spec, self.cockpit, self._playhead, gate))
+        context = WidgetContext(self._server.viser, spec, self._drawer.wake, self._allows)
+        self._page = Page(context, live(spec, self.cockpit, self._playhead, gate))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None

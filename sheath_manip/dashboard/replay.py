@@ -10,13 +10,13 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.layout import recorded
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.parts.export import Exporting
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dashboard.shown import moment_of
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.dashboard.widget import WidgetContext
+from sheath_manip.dashboard.widgets.export import Exporting
 from sheath_manip.playback.film import Film
 from sheath_manip.types import TaskSpec
 
@@ -58,8 +58,8 @@ class Replay:
         self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", Cockpit())
         self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
         self.player = Player(film_at, self._drawer.wake, speed, again)
-        desk = Desk(self._server.viser, spec, self._drawer.wake)
-        self._page = Page(desk, recorded(spec, shelf, self.player, exporting))
+        context = WidgetContext(self._server.viser, spec, self._drawer.wake)
+        self._page = Page(context, recorded(spec, shelf, self.player, exporting))
         self._training = shelf.training()
         self._server.viser.on_client_connect(self._greet)
 

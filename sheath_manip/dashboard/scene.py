@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD, aim
 from sheath_manip.dashboard.following import Following
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import SceneGeom, ScenePose
 
@@ -30,9 +30,9 @@ class SceneView:
     way, so that the camera stays where the person has it.
     """
 
-    def __init__(self, desk: Desk, following: Following | None = None) -> None:
-        self._server = desk.viser
-        self._first_view = desk.spec.first_view
+    def __init__(self, context: WidgetContext, following: Following | None = None) -> None:
+        self._server = context.viser
+        self._first_view = context.spec.first_view
         self._following = following
         self._root = self._server.scene.add_frame(WORLD, show_axes=False)
         self._scene: viser.FrameHandle | None = None

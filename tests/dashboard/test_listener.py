@@ -10,8 +10,8 @@ from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.parts.counts import Counts
-from sheath_manip.dashboard.parts.trouble import Trouble
+from sheath_manip.dashboard.widgets.counts import Counts
+from sheath_manip.dashboard.widgets.trouble import Trouble
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
@@ -171,7 +171,7 @@ def test_failed_drawing_marks_the_page_and_not_the_run(
     def fail(_: object) -> None:
         raise ValueError("no <ink>")
 
-    trouble = dashboard._page.part(Trouble)._box
+    trouble = dashboard._page.widget(Trouble)._box
     monkeypatch.setattr(type(dashboard._page), "watched", True)
     with monkeypatch.context() as broken:
         broken.setattr(dashboard._page, "draw", fail)
@@ -232,7 +232,7 @@ def test_tally_counts_interventions_and_outcomes(
 def test_limited_commands_are_told_and_counted(
     dashboard: Dashboard, environment: Environment, episode: Episode
 ) -> None:
-    counts = dashboard._page.part(Counts)
+    counts = dashboard._page.widget(Counts)
     limited = (Limited("<b>speed</b>", 0.25), Limited("workspace", 0.5))
     steps = [
         replace(step, limited=limited if number % 4 == 3 else ())

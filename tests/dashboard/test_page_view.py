@@ -14,8 +14,8 @@ from playwright.sync_api import Locator, Page
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.dashboard import Dashboard, Replay
-from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial

@@ -1,4 +1,4 @@
-"""What a page is made of: parts, each a file of its own, and the layout that names them."""
+"""What a page is made of: widgets, each a file of its own, and the layout that names them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -11,10 +11,10 @@ from sheath_manip.types import TaskSpec
 
 
 @dataclass(frozen=True, eq=False)
-class Desk:
-    """The context that a part is built in.
+class WidgetContext:
+    """The context that a widget is built in.
 
-    A part's callbacks run on viser's thread: they only take note of what a person asks for, clamp
+    A widget's callbacks run on viser's thread: they only take note of what a person asks for, clamp
     it, and call `wake`. The one that can do it (control loop, worker, drawer) looks there.
     """
 
@@ -26,7 +26,7 @@ class Desk:
     """whether the browser of that client id may change what the run does"""
 
 
-class Part(Protocol):
+class Widget(Protocol):
     """One piece of a page: makes its elements when it is built, and draws moments into them.
 
     Every name that comes from data is escaped.
@@ -37,17 +37,17 @@ class Part(Protocol):
         ...
 
 
-Maker = Callable[[Desk], Part]
-"""a part's class, or a `partial` of it with what it needs beside the desk"""
+WidgetFactory = Callable[[WidgetContext], Widget]
+"""a widget's class, or a `partial` of it with what it needs beside the context"""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The parts that a page has, and where."""
+    """The widgets that a page has, and where."""
 
-    world: tuple[Maker, ...] = ()
+    world: tuple[WidgetFactory, ...] = ()
     """in the 3-D scene, or in windows of their own"""
-    head: tuple[Maker, ...] = ()
+    head: tuple[WidgetFactory, ...] = ()
     """above the tabs, always in view"""
-    tabs: Mapping[str, tuple[Maker, ...]] = field(default_factory=dict)
+    tabs: Mapping[str, tuple[WidgetFactory, ...]] = field(default_factory=dict)
     """by the tab's title, in their order"""

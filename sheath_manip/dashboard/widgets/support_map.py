@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.seldom import Seldom
 from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.trace import Trace
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
@@ -26,8 +26,8 @@ class SupportMap:
     Where the task has no plane, a projection of what is observed takes its place.
     """
 
-    def __init__(self, desk: Desk) -> None:
-        gui, spec = desk.viser.gui, desk.spec
+    def __init__(self, context: WidgetContext) -> None:
+        gui, spec = context.viser.gui, context.spec
         self._has_ground = spec.plane is not None
         self._chart = chart_of(spec)
         gui.add_html(caption("Support", self._chart.title))

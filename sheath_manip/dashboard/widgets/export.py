@@ -6,8 +6,8 @@ import viser
 
 from sheath_manip.dashboard.markup import caption
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
+from sheath_manip.dashboard.widget import WidgetContext
 
 KINDS = ("mp4", "html")
 
@@ -18,8 +18,8 @@ Exporting = Callable[[int, str], tuple[str, bytes]]
 class Export:
     """A button by which the browser downloads the episode; nothing is written on this machine."""
 
-    def __init__(self, desk: Desk, player: Player, exporting: Exporting) -> None:
-        gui = desk.viser.gui
+    def __init__(self, context: WidgetContext, player: Player, exporting: Exporting) -> None:
+        gui = context.viser.gui
         gui.add_html(caption("Take it along", "as a video, or as one page without network"))
         self.kinds = gui.add_button_group("Download", KINDS)
 

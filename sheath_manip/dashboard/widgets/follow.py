@@ -4,19 +4,19 @@ import viser
 
 from sheath_manip.dashboard.following import Following
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 
 
 class FollowBox:
     """Sets the switch, for all who look."""
 
-    def __init__(self, desk: Desk, following: Following) -> None:
-        self._box = desk.viser.gui.add_checkbox("Follow the robot", following.on)
+    def __init__(self, context: WidgetContext, following: Following) -> None:
+        self._box = context.viser.gui.add_checkbox("Follow the robot", following.on)
 
         @self._box.on_update
         async def _(_: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
             following.on = bool(self._box.value)
-            desk.wake()
+            context.wake()
 
     def draw(self, moment: Moment) -> None:
         """Show whether there is a tool to follow, which only a person switches.

@@ -8,9 +8,9 @@ import viser
 
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.types import Outcome
 
@@ -21,8 +21,8 @@ BEGIN, END, CLEAR = "begins here", "ends here", "clear all"
 class Marking:
     """Marks the episode that is on, by its place: nothing from the page names a file."""
 
-    def __init__(self, desk: Desk, shelf: Shelf, player: Player) -> None:
-        gui = desk.viser.gui
+    def __init__(self, context: WidgetContext, shelf: Shelf, player: Player) -> None:
+        gui = context.viser.gui
         self._shelf, self._player = shelf, player
         self._begun: tuple[int, int] | None = None
         gui.add_html(caption("Marks", "kept beside the episode, which stays as it is"))
@@ -32,14 +32,14 @@ class Marking:
 
         @self.outcome.on_update
         async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None and desk.allows(event.client_id):
+            if event.client_id is not None and context.allows(event.client_id):
                 chosen = self.outcome.value
                 outcome = None if chosen == AS_RECORDED else Outcome(chosen)
                 self._mark(lambda marks: replace(marks, outcome=outcome))
 
         @self.bad.on_click
         async def _(event: viser.GuiEvent) -> None:
-            if desk.allows(event.client_id):
+            if context.allows(event.client_id):
                 self._press(self.bad.value)
 
     def draw(self, moment: Moment) -> None:  # noqa: ARG002

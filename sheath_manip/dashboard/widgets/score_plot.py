@@ -6,7 +6,7 @@ from viser.uplot import Axis, Series
 
 from sheath_manip.dashboard.markup import caption, note
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import Actor
 
@@ -28,9 +28,9 @@ LIMITED_BAND = 0.06
 class ScorePlot:
     """Score and threshold of the steps around the shown one, and who acted."""
 
-    def __init__(self, desk: Desk, ahead: float = 0.0) -> None:
+    def __init__(self, context: WidgetContext, ahead: float = 0.0) -> None:
         """`ahead` is the share of the plot that lies after the shown step, 0..1."""
-        gui, spec = desk.viser.gui, desk.spec
+        gui, spec = context.viser.gui, context.spec
         steps = min(WINDOW_STEPS, spec.max_steps)
         self._after = round(ahead * steps)
         self._before = steps - self._after

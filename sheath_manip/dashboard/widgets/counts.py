@@ -5,8 +5,8 @@ from html import escape
 
 from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import EpisodeInfo, Limited, Outcome
 
@@ -14,13 +14,13 @@ from sheath_manip.types import EpisodeInfo, Limited, Outcome
 class Counts:
     """Episode, step, shares and outcomes."""
 
-    def __init__(self, desk: Desk, with_series: bool = True) -> None:
+    def __init__(self, context: WidgetContext, with_series: bool = True) -> None:
         """`with_series` counts all episodes of the same kind, too, where they are all known."""
         self._with_series = with_series
-        self._max_steps = desk.spec.max_steps
-        self._facts = desk.viser.gui.add_html("")
-        self._limited = desk.viser.gui.add_html("", visible=False)
-        self._counts = desk.viser.gui.add_html("")
+        self._max_steps = context.spec.max_steps
+        self._facts = context.viser.gui.add_html("")
+        self._limited = context.viser.gui.add_html("", visible=False)
+        self._counts = context.viser.gui.add_html("")
 
     def draw(self, moment: Moment) -> None:
         """Show the counts so far."""

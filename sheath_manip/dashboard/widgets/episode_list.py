@@ -6,9 +6,9 @@ import viser
 
 from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dataset.reader import EpisodeSummary
 from sheath_manip.playback import palette
 
@@ -20,8 +20,8 @@ _LEFT = "text-align:left;padding-left:.6em"
 class EpisodeList:
     """A list to choose from, and a table of what lies around."""
 
-    def __init__(self, desk: Desk, shelf: Shelf, player: Player) -> None:
-        gui = desk.viser.gui
+    def __init__(self, context: WidgetContext, shelf: Shelf, player: Player) -> None:
+        gui = context.viser.gui
         self._shelf = shelf
         self._player = player
         self._summaries: list[EpisodeSummary] = shelf.summaries

@@ -7,7 +7,7 @@ import numpy as np
 from sheath_manip.dashboard.line_chart import line_chart
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
 
@@ -17,9 +17,9 @@ NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with th
 class LearningCurves:
     """Curves of learning by round, each method a line; several training seeds are averaged."""
 
-    def __init__(self, desk: Desk) -> None:
-        gui = desk.viser.gui
-        metric = desk.spec.metric
+    def __init__(self, context: WidgetContext) -> None:
+        gui = context.viser.gui
+        metric = context.spec.metric
         self._note = gui.add_html(note(NO_ROUND))
         self._charts: list[tuple[Callable[[RoundResult], float], float | None]] = [
             (lambda result: _failed(result.executed), 0.0),

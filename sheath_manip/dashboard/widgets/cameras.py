@@ -5,8 +5,8 @@ import viser
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.seldom import Seldom
+from sheath_manip.dashboard.widget import WidgetContext
 
 WIDTH_PX = 220
 """no less: viser would cut off what is in the window"""
@@ -17,8 +17,8 @@ RATE_HZ = 6.0
 class Cameras:
     """The latest image of each camera; no window where the task has none."""
 
-    def __init__(self, desk: Desk) -> None:
-        gui, cameras = desk.viser.gui, desk.spec.cameras
+    def __init__(self, context: WidgetContext) -> None:
+        gui, cameras = context.viser.gui, context.spec.cameras
         self._seldom = Seldom(RATE_HZ)
         self._images: dict[str, viser.GuiImageHandle] = {}
         if not cameras:

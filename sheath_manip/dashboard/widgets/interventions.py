@@ -5,7 +5,7 @@ from collections.abc import Callable
 import viser
 
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback.trace import Trace
 from sheath_manip.types import REASONS
 
@@ -19,12 +19,12 @@ class Interventions:
 
     def __init__(
         self,
-        desk: Desk,
+        context: WidgetContext,
         look_at: Callable[[int], None],
         release: Callable[[], None] | None = None,
     ) -> None:
         """`look_at` shows a step, `release` the present; what is recorded has none."""
-        gui = desk.viser.gui
+        gui = context.viser.gui
         self._look_at = look_at
         self._starts: list[int] = []
         self._at = -1
@@ -40,7 +40,7 @@ class Interventions:
 
         @self._list.on_update
         async def _(event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
-            # What this part sets itself has no client.
+            # What this widget sets itself has no client.
             if event.client_id is not None and self._list.value in self._options:
                 place = self._options.index(self._list.value)
                 if place < len(self._starts):

@@ -5,8 +5,8 @@ import viser
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import ACTORS
 
@@ -25,8 +25,8 @@ COLOURS = np.array([palette.linear(palette.ACTOR[actor]) for actor in ACTORS], n
 class Trail:
     """The tool's trail: one line of segments, and one cloud of points."""
 
-    def __init__(self, desk: Desk) -> None:
-        scene, view = desk.viser.scene, desk.spec.first_view
+    def __init__(self, context: WidgetContext) -> None:
+        scene, view = context.viser.scene, context.spec.first_view
         # viser takes no line without a segment.
         nothing = np.zeros((1, 2, 3), np.float32)
         self._line = scene.add_line_segments(

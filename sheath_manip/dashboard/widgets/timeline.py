@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dashboard.markup import TEXT, caption
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import actor_and_reason_label
 from sheath_manip.playback.trace import Trace
@@ -23,10 +23,10 @@ EMPTY = "#80808022"
 class Timeline:
     """The strip, its legend, and a mark at the shown step."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._rate_hz = desk.spec.control_rate_hz
-        desk.viser.gui.add_html(caption("Timeline", "who acted and why"))
-        self._strip = desk.viser.gui.add_html("")
+    def __init__(self, context: WidgetContext) -> None:
+        self._rate_hz = context.spec.control_rate_hz
+        context.viser.gui.add_html(caption("Timeline", "who acted and why"))
+        self._strip = context.viser.gui.add_html("")
 
     def draw(self, moment: Moment) -> None:
         """Show the episode as far as it is known."""

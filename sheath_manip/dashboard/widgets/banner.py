@@ -8,7 +8,7 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import FALLBACK, actor_label
 from sheath_manip.types import Actor, GateDecision, Reason
@@ -17,10 +17,10 @@ from sheath_manip.types import Actor, GateDecision, Reason
 class Banner:
     """Who acts, for which reason, at which score; or how the episode ended."""
 
-    def __init__(self, desk: Desk, cockpit: Cockpit | None = None) -> None:
+    def __init__(self, context: WidgetContext, cockpit: Cockpit | None = None) -> None:
         """`cockpit` is a live run's: while that stands still, its last step tells nothing."""
         self._cockpit = cockpit
-        self._box = desk.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
+        self._box = context.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
 
     def draw(self, moment: Moment) -> None:
         """Show the latest decision."""

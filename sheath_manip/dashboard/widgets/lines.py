@@ -4,8 +4,8 @@ import numpy as np
 import viser
 
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 
 THICKNESS_PX = 4.0
@@ -14,8 +14,8 @@ THICKNESS_PX = 4.0
 class Lines:
     """Lines in the scene: one viser node each, moved as it is."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._scene = desk.viser.scene
+    def __init__(self, context: WidgetContext) -> None:
+        self._scene = context.viser.scene
         self._lines: list[viser.LineSegmentsHandle] = []
 
     def draw(self, moment: Moment) -> None:

@@ -10,7 +10,7 @@ from sheath_manip.cockpit.cockpit import State
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
 from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.widget import WidgetContext
 
 _EPISODE = {
     "Success": Order.SUCCESS,
@@ -28,11 +28,11 @@ class Controls:
     not seen. The stop is a button of its own, so that a page which lags behind cannot reset one.
     """
 
-    def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
-        self._desk = desk
+    def __init__(self, context: WidgetContext, cockpit: Cockpit) -> None:
+        self._context = context
         self._cockpit = cockpit
         self._drawn = cockpit.state
-        gui, operated = desk.viser.gui, bool(cockpit.guide)
+        gui, operated = context.viser.gui, bool(cockpit.guide)
         self.stop = gui.add_button("STOP (Space)", color="red", visible=operated)
         self.reset = gui.add_button("Reset the stop (R)", color="gray", visible=False)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
@@ -84,7 +84,7 @@ class Controls:
         if event.client_id is not None:
             station = station_of(event.client_id)
             self._cockpit.order(order, station, value, self._drawn.stops)
-        self._desk.wake()
+        self._context.wake()
 
 
 def _take(state: State) -> str:

@@ -4,15 +4,15 @@ import numpy as np
 import viser
 
 from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.widget import WidgetContext
 
 
 class Surfaces:
     """Surfaces in the scene: one mesh each, its vertices and faces changed as they are."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._scene = desk.viser.scene
+    def __init__(self, context: WidgetContext) -> None:
+        self._scene = context.viser.scene
         self._meshes: list[viser.MeshHandle] = []
 
     def draw(self, moment: Moment) -> None:
