@@ -33,7 +33,7 @@ from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
@@ -275,12 +275,12 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
 
 def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
-    shelf = Shelf(EpisodeStore(folder / "recorded"))
+    catalog = EpisodeCatalog(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()
 
     def play() -> None:
-        maker, last = FilmMaker(task, None, shelf.read, shelf.summary), len(shelf) - 1
-        with Replay(maker.spec(last), shelf, maker.film, maker.exported, port=0) as replay:
+        maker, last = FilmMaker(task, None, catalog.read, catalog.summary), len(catalog) - 1
+        with Replay(maker.spec(last), catalog, maker.film, maker.exported, port=0) as replay:
             shown.set_result(replay)
             replay.run(last)
         maker.close()

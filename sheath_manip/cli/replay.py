@@ -14,7 +14,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.task import Task
 
 if TYPE_CHECKING:
-    from sheath_manip.dashboard.shelf import Shelf
+    from sheath_manip.dashboard.catalog import EpisodeCatalog
     from sheath_manip.playback.making import FilmMaker
 
 KINDS = (".mp4", ".html")
@@ -48,26 +48,26 @@ class Replay:
                 f"--export {self.export}; wanted a name that ends in .mp4 or .html"
             )
         # Only now: other verbs need no store and no page.
-        from sheath_manip.dashboard.shelf import Shelf
+        from sheath_manip.dashboard.catalog import EpisodeCatalog
         from sheath_manip.dataset.places import open_place
         from sheath_manip.dataset.show import chosen
 
         store = open_place(self.store)
         place = store.names().index(chosen(store, self.episode))
-        shelf = Shelf(store)
-        task = session.task(shelf.summaries[place].info.task)
-        with self._maker(task, shelf) as maker:
+        catalog = EpisodeCatalog(store)
+        task = session.task(catalog.summaries[place].info.task)
+        with self._maker(task, catalog) as maker:
             if self.export is not None:
                 self._export(maker, place, session)
             else:
-                self._show(maker, shelf, place, session)
+                self._show(maker, catalog, place, session)
         return 0
 
     @contextmanager
-    def _maker(self, task: Task, shelf: "Shelf") -> Iterator["FilmMaker"]:
+    def _maker(self, task: Task, catalog: "EpisodeCatalog") -> Iterator["FilmMaker"]:
         from sheath_manip.playback.making import FilmMaker
 
-        maker = FilmMaker(task, self.variant, shelf.read, shelf.summary)
+        maker = FilmMaker(task, self.variant, catalog.read, catalog.summary)
         try:
             yield maker
         finally:
@@ -85,7 +85,9 @@ class Replay:
             raise ParameterError(f"cannot write {self.export} ({error})") from error
         session.out.print(Text(f"{self.export}: {len(content) / 1e6:.2f} MB"))
 
-    def _show(self, maker: "FilmMaker", shelf: "Shelf", place: int, session: Session) -> None:
+    def _show(
+        self, maker: "FilmMaker", catalog: "EpisodeCatalog", place: int, session: Session
+    ) -> None:
         from sheath_manip.dashboard import Replay as ReplayPage
 
         # Before the page is there, so that what cannot be shown is told on the terminal.
@@ -93,7 +95,7 @@ class Replay:
         self.address.warn(session)
         page = ReplayPage(
             maker.spec(place),
-            shelf,
+            catalog,
             maker.film,
             maker.exported,
             host=self.address.host,
@@ -103,6 +105,6 @@ class Replay:
         )
         with page, suppress(KeyboardInterrupt):
             session.announce(page.address)
-            steps = f"{len(shelf)} episodes, this one of {len(film)} steps"
+            steps = f"{len(catalog)} episodes, this one of {len(film)} steps"
             session.out.print(Text(f"{self.store}: {steps}, {film.outcome}"))
             page.run(place)

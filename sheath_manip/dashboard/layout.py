@@ -3,11 +3,11 @@
 from functools import partial
 
 from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.following import Following
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.scene import SceneView
-from sheath_manip.dashboard.shelf import Shelf
 from sheath_manip.dashboard.widget import Layout, WidgetFactory
 from sheath_manip.dashboard.widgets.banner import Banner
 from sheath_manip.dashboard.widgets.cameras import Cameras
@@ -63,7 +63,9 @@ def live(
     )
 
 
-def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting) -> Layout:
+def recorded(
+    spec: TaskSpec, catalog: EpisodeCatalog, player: Player, exporting: Exporting
+) -> Layout:
     """The page of recorded episodes."""
     following = _following(spec)
     return Layout(
@@ -77,10 +79,10 @@ def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting)
                 partial(Counts, with_series=False),
                 partial(FollowBox, following=following),
             ),
-            "Episodes": (partial(EpisodeList, shelf=shelf, player=player),),
+            "Episodes": (partial(EpisodeList, catalog=catalog, player=player),),
             "Support": (SupportMap,),
             "Marks": (
-                partial(Marking, shelf=shelf, player=player),
+                partial(Marking, catalog=catalog, player=player),
                 partial(Export, player=player, exporting=exporting),
             ),
         },

@@ -2,7 +2,7 @@
 
 from typing import TypeVar
 
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import Layout, Widget, WidgetContext
 from sheath_manip.dashboard.widgets.trouble import Trouble
 
@@ -10,7 +10,7 @@ AnyWidget = TypeVar("AnyWidget", bound=Widget)
 
 
 class Page:
-    """Builds the widgets and has each draw every moment."""
+    """Builds the widgets and has each draw every snapshot."""
 
     def __init__(self, context: WidgetContext, layout: Layout) -> None:
         self._viser = context.viser
@@ -33,11 +33,11 @@ class Page:
                 return widget
         raise LookupError(f"this page has no {kind.__name__}")
 
-    def draw(self, moment: Moment) -> None:
-        """Show `moment`, in about the time that its images take to encode."""
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show `snapshot`, in about the time that its images take to encode."""
         with self._viser.atomic():
             for widget in self._widgets:
-                widget.draw(moment)
+                widget.draw(snapshot)
 
     def show_trouble(self, failure: str) -> None:
         """Say that what is shown is out of date, until the next drawing."""

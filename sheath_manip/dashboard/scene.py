@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD, aim
 from sheath_manip.dashboard.following import Following
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import SceneGeom, ScenePose
@@ -41,10 +41,10 @@ class SceneView:
         self._shown = np.zeros((0, 7))
         self._home_m: NDArray[np.float64] | None = None
 
-    def draw(self, moment: Moment) -> None:
-        """Show the moment's scene as it stands."""
-        self.build(moment.scene, moment.pose)
-        self.move(moment.pose)
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show the snapshot's scene as it stands."""
+        self.build(snapshot.scene, snapshot.pose)
+        self.move(snapshot.pose)
 
     def build(self, scene: Sequence[SceneGeom], pose: ScenePose) -> None:
         """Show `scene` in place of the one before, or keep that where the two are equal.

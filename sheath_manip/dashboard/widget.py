@@ -6,7 +6,7 @@ from typing import Protocol
 
 import viser
 
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.types import TaskSpec
 
 
@@ -27,13 +27,13 @@ class WidgetContext:
 
 
 class Widget(Protocol):
-    """One piece of a page: makes its elements when it is built, and draws moments into them.
+    """One piece of a page: makes its elements when it is built, and draws snapshots into them.
 
     Every name that comes from data is escaped.
     """
 
-    def draw(self, moment: Moment) -> None:
-        """Show `moment`; called on the drawer's thread, up to 20 times a second."""
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show `snapshot`; called on the drawer's thread, up to 20 times a second."""
         ...
 
 

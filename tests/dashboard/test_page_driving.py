@@ -76,8 +76,8 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         run.start()
 
         def interventions() -> int:
-            moment = dashboard._latest()
-            return moment.series.interventions if moment else 0
+            snapshot = dashboard._latest()
+            return snapshot.series.interventions if snapshot else 0
 
         wait_until(lambda: interventions() > 1, "interventions", page)
         wait_until(lambda: widget(ScorePlot)._scores.visible, "scores", page)

@@ -7,7 +7,7 @@ import numpy as np
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.dashboard.markup import BOX
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import FALLBACK, actor_label
@@ -22,18 +22,18 @@ class Banner:
         self._cockpit = cockpit
         self._box = context.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show the latest decision."""
         state = None if self._cockpit is None else self._cockpit.state
-        if moment.outcome is not None:
-            colour = palette.OUTCOME[moment.outcome]
-            self._box.content = _box(colour, moment.outcome.value, "episode over")
-        elif state is not None and moment.present and _stands_still(state):
+        if snapshot.outcome is not None:
+            colour = palette.OUTCOME[snapshot.outcome]
+            self._box.content = _box(colour, snapshot.outcome.value, "episode over")
+        elif state is not None and snapshot.present and _stands_still(state):
             reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
             self._box.content = _held(reason)
-        elif moment.step is not None:
+        elif snapshot.step is not None:
             fallback = FALLBACK if state is None else state.fallback
-            self._box.content = _banner(moment.step.decision, fallback)
+            self._box.content = _banner(snapshot.step.decision, fallback)
 
 
 def _stands_still(state: State) -> bool:

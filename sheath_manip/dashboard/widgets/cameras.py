@@ -4,8 +4,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.seldom import Seldom
+from sheath_manip.dashboard.rate_limiter import RateLimiter
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 WIDTH_PX = 220
@@ -19,7 +19,7 @@ class Cameras:
 
     def __init__(self, context: WidgetContext) -> None:
         gui, cameras = context.viser.gui, context.spec.cameras
-        self._seldom = Seldom(RATE_HZ)
+        self._limiter = RateLimiter(RATE_HZ)
         self._images: dict[str, viser.GuiImageHandle] = {}
         if not cameras:
             return
@@ -33,11 +33,11 @@ class Cameras:
                 )
         window.float(x=MARGIN_PX, y=MARGIN_PX, width=WIDTH_PX)
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show what was seen before the shown step."""
-        if moment.step is None or not self._seldom.due(moment):
+        if snapshot.step is None or not self._limiter.should_draw(snapshot):
             return
-        for name, image in moment.step.observation.images.items():
+        for name, image in snapshot.step.observation.images.items():
             if name in self._images:
                 self._images[name].image = _enlarged(image)
                 self._images[name].visible = True

@@ -8,8 +8,8 @@ import viser
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 _EPISODE = {
@@ -63,7 +63,7 @@ class Controls:
         async def _(event: viser.GuiEvent) -> None:
             self._give(_EPISODE[self.episode.value], event)
 
-    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+    def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Have each button offer the other of its two."""
         self._drawn = state = self._cockpit.state
         self.reset.visible = state.stopped

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from html import escape
 
 from sheath_manip.dashboard.markup import TEXT
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
@@ -22,16 +22,16 @@ class Counts:
         self._limited = context.viser.gui.add_html("", visible=False)
         self._counts = context.viser.gui.add_html("")
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show the counts so far."""
-        episode = moment.episode
-        series = moment.series if self._with_series else None
+        episode = snapshot.episode
+        series = snapshot.series if self._with_series else None
         # What is recorded has all its steps.
-        most = self._max_steps if self._with_series else len(moment.trace)
-        self._facts.content = _facts(moment.info, episode.steps, most)
-        self._counts.content = _counts(moment.info, episode, series, moment.outcomes)
+        most = self._max_steps if self._with_series else len(snapshot.trace)
+        self._facts.content = _facts(snapshot.info, episode.steps, most)
+        self._counts.content = _counts(snapshot.info, episode, series, snapshot.outcomes)
         # The text first: an empty box would be seen for a moment otherwise.
-        now = () if moment.step is None else moment.step.limited
+        now = () if snapshot.step is None else snapshot.step.limited
         self._limited.content = _limited(now, episode, series)
         self._limited.visible = (series or episode).limited_steps > 0
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import viser
 
 from sheath_manip.dashboard.markup import caption
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.player import Player
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 KINDS = ("mp4", "html")
@@ -36,5 +36,5 @@ class Export:
 
             player.do(work, f"making the {kind}; this takes some seconds …")
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Do nothing: the button stays as it is."""

@@ -3,7 +3,7 @@
 import viser
 
 from sheath_manip.dashboard.following import Following
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 
@@ -18,9 +18,9 @@ class FollowBox:
             following.on = bool(self._box.value)
             context.wake()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show whether there is a tool to follow, which only a person switches.
 
         A task without a tool has none.
         """
-        self._box.visible = moment.pose.tool_m is not None
+        self._box.visible = snapshot.pose.tool_m is not None

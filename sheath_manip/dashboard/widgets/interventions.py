@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import viser
 
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback.trace import Trace
 from sheath_manip.types import REASONS
@@ -55,19 +55,19 @@ class Interventions:
             if release is not None:
                 release()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """List what the shown episode has."""
-        turns = list(enumerate(moment.trace.turns, 1))[-LISTED:]
+        turns = list(enumerate(snapshot.trace.turns, 1))[-LISTED:]
         self._starts = [start for _, (start, _) in turns]
-        self._at = moment.at
-        options = tuple(_line(number, moment.trace, *turn) for number, turn in turns) or (NONE,)
+        self._at = snapshot.at
+        options = tuple(_line(number, snapshot.trace, *turn) for number, turn in turns) or (NONE,)
         if options != self._options:
             self._list.options = self._options = options
         # The one under way, or the last before.
-        shown = options[max(0, sum(start <= moment.at for start in self._starts) - 1)]
+        shown = options[max(0, sum(start <= snapshot.at for start in self._starts) - 1)]
         if self._list.value != shown:
             self._list.value = shown
-        self._back.visible = self._has_present and not moment.present
+        self._back.visible = self._has_present and not snapshot.present
 
     def _jump(self, forward: bool) -> None:
         if forward:

@@ -3,8 +3,8 @@
 import numpy as np
 import viser
 
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 
@@ -18,9 +18,9 @@ class Lines:
         self._scene = context.viser.scene
         self._lines: list[viser.LineSegmentsHandle] = []
 
-    def draw(self, moment: Moment) -> None:
-        """Show the moment's lines."""
-        lines = moment.pose.lines
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show the snapshot's lines."""
+        lines = snapshot.pose.lines
         while len(self._lines) > len(lines):
             self._lines.pop().remove()
         for index, line in enumerate(lines):

@@ -3,8 +3,8 @@
 import numpy as np
 import viser
 
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 
@@ -15,9 +15,9 @@ class Surfaces:
         self._scene = context.viser.scene
         self._meshes: list[viser.MeshHandle] = []
 
-    def draw(self, moment: Moment) -> None:
-        """Show the moment's surfaces."""
-        surfaces = moment.pose.surfaces
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show the snapshot's surfaces."""
+        surfaces = snapshot.pose.surfaces
         while len(self._meshes) > len(surfaces):
             self._meshes.pop().remove()
         for index, surface in enumerate(surfaces):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import viser
 
 from sheath_manip.dashboard.markup import caption, note
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.gates.adjustable import Boundary, Dial
 
@@ -44,9 +44,9 @@ class ThresholdSlider:
                 self._shown = dial.boundary
             context.wake()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Follow what a new fit, or who may, has made of it."""
-        del moment
+        del snapshot
         boundary = self._dial.boundary
         if boundary is self._shown and self.slider.value == boundary.threshold:
             return
@@ -90,9 +90,9 @@ class NuSlider:
                     self._wanted = float(self.slider.value)
                     self._news.notify()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Tell how far the worker is."""
-        del moment
+        del snapshot
         self._note.content = _note(self._nu, self._told)
 
     def _work(self) -> None:

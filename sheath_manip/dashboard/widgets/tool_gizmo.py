@@ -4,9 +4,9 @@ import numpy as np
 import viser
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 SCALE_M, SHARE_OF_VIEW = 0.14, 0.25
@@ -34,7 +34,7 @@ class ToolGizmo:
             if event.client_id is not None:
                 self._follow(event.client_id, event.phase)
 
-    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+    def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Put it where the tool is, unless somebody drags it."""
         pose, state = self._cockpit.tool_pose, self._cockpit.state
         if self._dragged_by is not None and state.operator != station_of(self._dragged_by):

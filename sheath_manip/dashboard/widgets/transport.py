@@ -3,8 +3,8 @@
 import viser
 
 from sheath_manip.dashboard.markup import note
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.player import FASTEST, SLOWEST, Player
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 
 STEPS = {"« 10": -10, "‹ 1": -1, "1 ›": 1, "10 »": 10}
@@ -47,16 +47,16 @@ class Transport:
             if event.client_id is not None:
                 player.pace(float(self.speed.value))
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Put the scrubber where the player is."""
         now = self._player.now
         self.play.label = "Pause" if now.playing else "Play"
         self.play.icon = viser.Icon.PLAYER_PAUSE if now.playing else viser.Icon.PLAYER_PLAY
         self.play.color = "gray" if now.playing else "green"
-        last = max(len(moment.trace) - 1, 1)
+        last = max(len(snapshot.trace) - 1, 1)
         if self.scrubber.max != last:
             self.scrubber.max = last
-        if self.scrubber.value != moment.at:
-            self.scrubber.value = max(moment.at, 0)
+        if self.scrubber.value != snapshot.at:
+            self.scrubber.value = max(snapshot.at, 0)
         self._note.content = note(now.note)
         self._note.visible = bool(now.note)

@@ -3,7 +3,7 @@
 from html import escape
 
 from sheath_manip.dashboard.markup import BOX
-from sheath_manip.dashboard.moment import Moment
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import Outcome
@@ -15,9 +15,9 @@ class Trouble:
     def __init__(self, context: WidgetContext) -> None:
         self._box = context.viser.gui.add_html("", visible=False)
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Hide the notice: what can be drawn is not out of date."""
-        del moment
+        del snapshot
         self._box.visible = False
 
     def show(self, failure: str) -> None:

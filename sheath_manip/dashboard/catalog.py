@@ -15,7 +15,7 @@ MOST_STATES_OF = 40
 """episodes that the picture of the support is drawn from"""
 
 
-class Shelf:
+class EpisodeCatalog:
     """Reads and marks episodes of one store; a place is that of `sheath data list`."""
 
     def __init__(self, store: EpisodeReader) -> None:
@@ -58,7 +58,7 @@ class Shelf:
         return self._store.read(self.name(place))
 
     def kept(self, place: int) -> Marks:
-        """Return the marks of an episode, as this shelf knows them."""
+        """Return the marks of an episode, as this catalog knows them."""
         self.name(place)
         with self._lock:
             return self._marks[place]
