@@ -49,10 +49,10 @@ class Replay:
             )
         # Only now: other verbs need no store and no page.
         from sheath_manip.dashboard.catalog import EpisodeCatalog
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.show import chosen
 
-        store = open_place(self.store)
+        store = open_store(self.store)
         place = store.names().index(chosen(store, self.episode))
         catalog = EpisodeCatalog(store)
         task = session.task(catalog.summaries[place].info.task)

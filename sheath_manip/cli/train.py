@@ -70,8 +70,8 @@ class Train(Planned):
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.compatibility import remarks
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.mapped import mapped_samples
-        from sheath_manip.dataset.places import open_place
         from sheath_manip.gates.fitted import Sources
         from sheath_manip.learning.checkpoint import Checkpoint, digest
         from sheath_manip.learning.fitting import fit_gate
@@ -80,7 +80,7 @@ class Train(Planned):
         from sheath_manip.signals import make_signal
         from sheath_manip.types.samples import samples_from
 
-        store = open_place(self.store)
+        store = open_store(self.store)
         summaries = store.infos()
         with opened(task, _variant(summaries, task.name)) as environment:
             spec = environment.spec

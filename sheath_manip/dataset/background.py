@@ -31,7 +31,7 @@ class BackgroundRecorder(Recorder):
         self.flush()
         # Not in the thread: it would take turns with the simulation at every row.
         recorded = recorded_of(episode, self.space)
-        self._written = self._thread.submit(self._writer.adopt, recorded)
+        self._written = self._thread.submit(self._writer.append_arrays, recorded)
 
     def __enter__(self) -> Self:
         return self

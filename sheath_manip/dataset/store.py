@@ -85,9 +85,9 @@ class EpisodeStore(EpisodeReader):
         """
         if self._directory(episode.info).exists():
             raise _taken(self.path, episode_name(episode.info))
-        return self.adopt(recorded_of(episode, space))
+        return self.append_arrays(recorded_of(episode, space))
 
-    def adopt(self, recorded: Recorded) -> str:
+    def append_arrays(self, recorded: Recorded) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
 
         Raises StoreError as `append` does.

@@ -44,9 +44,9 @@ class ExportStore:
     def run(self, session: Session) -> int:
         """Write it, then print what was written."""
         from sheath_manip.dataset.exchange.exporting import export
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
 
-        reader = open_place(self.store)
+        reader = open_store(self.store)
         selection = Selection(
             self.successes, self.expert_steps, self.rounds, self.action, self.bad_steps
         )

@@ -28,13 +28,13 @@ class MergeStores:
 
     def run(self, session: Session) -> int:
         """Copy, then print how many."""
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.merging import merge
-        from sheath_manip.dataset.places import open_place
 
         if not self.stores:
             raise ParameterError("no store to merge; name one at least")
-        sources = [open_place(address) for address in self.stores]
-        target = open_place(self.into, create=True)
+        sources = [open_store(address) for address in self.stores]
+        target = open_store(self.into, create=True)
         total = sum(len(source.names()) for source in sources)
         with session.progress("copying", total) as report:
             done = merge(sources, target, report)
@@ -62,11 +62,11 @@ class SplitStore:
 
     def run(self, session: Session) -> int:
         """Copy, then print how many went where."""
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.merging import split
-        from sheath_manip.dataset.places import open_place
         from sheath_manip.seeding import generator
 
-        reader = open_place(self.store)
+        reader = open_store(self.store)
         with session.progress("copying", len(reader.names())) as report:
             drawn = split(
                 reader,
@@ -91,12 +91,12 @@ class DropEpisodes:
 
     def run(self, session: Session) -> int:
         """Delete them; none is deleted where one is not there."""
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.reader import no_such_episode
 
         if not self.episodes:
             raise ParameterError("no episode to drop; name each, as `sheath data list` does")
-        place = open_place(self.store)
+        place = open_store(self.store)
         there = set(place.names())
         for name in self.episodes:
             if name not in there:

@@ -28,9 +28,9 @@ class ListStore:
 
             return print_list(self.store, session.out)
         from sheath_manip.dataset.card import card
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
 
-        reader = open_place(self.store)
+        reader = open_store(self.store)
         names = reader.names()
         task = reader.header(names[0]).info.task if names else ""
         # Not by rich, which would wrap the lines of the table.
