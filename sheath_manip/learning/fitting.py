@@ -14,7 +14,7 @@ from sheath_manip.protocols import Agreement, Refits, Signal, TrainablePolicy
 from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
-    or_nothing_inside,
+    or_reject_all,
     planned_threshold,
 )
 from sheath_manip.types.samples import Samples
@@ -154,7 +154,7 @@ def with_nu(fitted: FittedGate, looks: Looks, nu: float) -> FittedGate:
     measures = _calibrated(signal, looks)
     held_out = [signal.scores(each) for each in measures]
     rate = config.threshold.false_alarm_rate
-    threshold = or_nothing_inside(lambda: held_out_threshold(held_out, rate))
+    threshold = or_reject_all(lambda: held_out_threshold(held_out, rate))
     return replace(fitted, config=config, signal=signal, threshold=threshold)
 
 
@@ -175,6 +175,6 @@ def _with_threshold(
     threshold = planned_threshold(held_out, met, config.threshold)
     margin = 0.0
     if config.release_rate > 0:
-        release = or_nothing_inside(lambda: held_out_threshold(held_out, config.release_rate))
+        release = or_reject_all(lambda: held_out_threshold(held_out, config.release_rate))
         margin = max(0.0, release - threshold)
     return replace(fitted, threshold=threshold, release_margin=margin)

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from sheath_manip.protocols import Arrays
 
 
-def prefixed(parts: Mapping[str, Arrays]) -> Arrays:
+def flatten(parts: Mapping[str, Arrays]) -> Arrays:
     """Return all arrays of all parts, each named `part/array`."""
     return {
         f"{name}/{key}": array for name, arrays in parts.items() for key, array in arrays.items()
     }
 
 
-def part(arrays: Arrays, name: str) -> Arrays:
+def subtree(arrays: Arrays, name: str) -> Arrays:
     """Return the arrays of one part, under their own names again."""
     start = f"{name}/"
     return {

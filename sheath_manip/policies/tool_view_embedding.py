@@ -35,7 +35,7 @@ class FromTool:
                 "an embedding of what is seen from the tool needs the policy egocentric-cnn, "
                 f"not {type(policy).__name__}; use the embedding 'pixels'"
             )
-        inner = self.embedding.attach(policy.seeing)
+        inner = self.embedding.attach(policy.inner)
         self._readers = tuple(SeenFromTool(reader) for reader in inner)
         return self._readers
 
