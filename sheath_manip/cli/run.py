@@ -35,7 +35,7 @@ class Run:
     """variant of the task"""
     store: Annotated[Path | None, default_is("nothing is recorded")] = None
     """directory to record into"""
-    trained_on: Annotated[Path | None, default_is("no support is shown")] = None
+    training_store: Annotated[Path | None, default_is("no support is shown")] = None
     """directory of the episodes that the checkpoint was trained on, for a person: shows the
     support on the page, and lets ν be changed there, not only the threshold"""
     expert: str = SCRIPTED
@@ -55,8 +55,8 @@ class Run:
         if self.expert == PERSON:
             return self._with_a_person(task, session)
         self.operating.require_default()
-        if self.trained_on is not None:
-            raise ParameterError(f"--trained-on is for a person; wanted --expert {PERSON}")
+        if self.training_store is not None:
+            raise ParameterError(f"--training-store is for a person; wanted --expert {PERSON}")
         # Only now: torch takes seconds to import.
         from sheath_manip.learning.checkpoint import digest
         from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
@@ -77,7 +77,7 @@ class Run:
 
         checkpoint = self._checkpoint(task)
         with session.err.status("reading"):
-            adjusting = adjusted(self.checkpoint, checkpoint, self.trained_on, spec_of(task))
+            adjusting = adjusted(self.checkpoint, checkpoint, self.training_store, spec_of(task))
         with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)

@@ -110,7 +110,7 @@ def test_a_persons_run_has_the_gates_sliders(sheath, made, monkeypatch, tmp_path
     store = tmp_path / "store"
     assert sheath(*argv, *person, "--store", store)[0] == 0
     assert set(reasons(store)) == {Reason.NO_ANSWER}
-    assert sheath(*argv, *person, "--trained-on", made / "store")[0] == 0
+    assert sheath(*argv, *person, "--training-store", made / "store")[0] == 0
     assert sliders == [1, 2]
 
 
@@ -142,7 +142,7 @@ def test_learn_with_the_scripted_expert(sheath, tmp_path):
 def test_what_is_for_a_person_wants_one(complaint, made):
     run = ("run", "corridor", "--checkpoint", made / "first.npz")
     assert "--expert person" in complaint(*run, "--wait-s", 3)
-    assert "--expert person" in complaint(*run, "--trained-on", made / "store")
+    assert "--expert person" in complaint(*run, "--training-store", made / "store")
     assert "a policy alone" in complaint(*run, "--expert", "person", "--policy-alone")
     said = complaint(*run, "--expert", "person", "--fallback", "nobody", "--port", 0)
     assert "unknown expert of corridor 'nobody'; known: hold, scripted" in said
