@@ -71,8 +71,10 @@ class ScriptedPerson:
         self._until(lambda: self._heard(held.keys, pad))
 
     def _heard(self, keys: frozenset[str], pad: Gamepad | None) -> bool:
-        given = self.cockpit.heard
-        return self.cockpit.lease.holder is None or (given.keys == keys and given.pad == pad)
+        operator_input = self.cockpit.latest_input
+        return self.cockpit.lease.holder is None or (
+            operator_input.keys == keys and operator_input.pad == pad
+        )
 
     def _until(self, condition: Callable[[], bool]) -> None:
         deadline_s = time.monotonic() + TIMEOUT_S

@@ -9,7 +9,7 @@ from sheath_manip.controllers.teleop import keys
 from sheath_manip.controllers.teleop.gizmo import pose_of
 from sheath_manip.controllers.teleop.together import Together
 from sheath_manip.types import Action
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 
 class ArmHands:
@@ -37,10 +37,10 @@ class ArmHands:
         self._rest = rest
         self._devices = Together(tool_pose, twist_scale)
 
-    def action(self, given: Given) -> Action:
+    def action(self, operator_input: OperatorInput) -> Action:
         """(a,) the devices' sum, within the bounds; what they leave open stays as it is."""
         action = self._rest()
-        motion = self._devices.motion(given)
+        motion = self._devices.motion(operator_input)
         action[:6] = motion.twist
         if motion.grip is not None and len(action) > 6:
             action[6] = motion.grip

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sheath_manip.types import Action
-from sheath_manip.types.operator_input import Binding, Given
+from sheath_manip.types.operator_input import Binding, OperatorInput
 
 STICK = 0.5
 """of its way, from which on a stick counts as a button"""
@@ -24,11 +24,11 @@ class Button:
     stick: int = 0
     """-1 or 1: which way of a gamepad's left stick, left or right"""
 
-    def pressed(self, given: Given) -> bool:
+    def pressed(self, operator_input: OperatorInput) -> bool:
         """Return whether the button is pressed."""
-        if self.key in given.keys:
+        if self.key in operator_input.keys:
             return True
-        pad = given.pad
+        pad = operator_input.pad
         if pad is None:
             return False
         return self.pad in pad.buttons or (self.stick != 0 and pad.axes[0] * self.stick > STICK)
@@ -50,9 +50,9 @@ class ButtonHands:
         self._action_of = action_of
         self.guide = tuple(Binding((button.key,), button.says) for button in buttons.values())
 
-    def action(self, given: Given) -> Action:
+    def action(self, operator_input: OperatorInput) -> Action:
         """Return the (a,) action of the buttons that are pressed."""
-        pressed = (name for name, button in self._buttons.items() if button.pressed(given))
+        pressed = (name for name, button in self._buttons.items() if button.pressed(operator_input))
         return np.asarray(self._action_of(frozenset(pressed)), np.float32)
 
     def tool_pose(self) -> None:

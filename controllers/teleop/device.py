@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Motion:
 class Device(Protocol):
     """Reads one device out of all that a person's devices say."""
 
-    def motion(self, given: Given) -> Motion:
+    def motion(self, operator_input: OperatorInput) -> Motion:
         """Return what the device says; of any input, since the page may send anything."""
         ...
 

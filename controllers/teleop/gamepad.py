@@ -3,7 +3,7 @@
 import numpy as np
 
 from sheath_manip.controllers.teleop.device import NOTHING, Motion, grip_of
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 DEAD_ZONE = 0.1
 """of a stick's way, within which a worn one comes to rest"""
@@ -14,9 +14,9 @@ _CLOSE, _OPEN, _TILT = 0, 1, 5
 class GamepadDevice:
     """Left stick: along the table. Right stick: up and about z; with the right shoulder: tilt."""
 
-    def motion(self, given: Given) -> Motion:
+    def motion(self, operator_input: OperatorInput) -> Motion:
         """Sticks and buttons; nothing while the dead-man's button is not held."""
-        pad = given.pad
+        pad = operator_input.pad
         if pad is None or not pad.held:
             return NOTHING
         left_right, left_down, right_right, right_down = (_beyond(axis) for axis in pad.axes)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.controllers.teleop.device import NOTHING, Motion
 from sheath_manip.controllers.twist_control import twist_between
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 _CATCH_UP_S = 0.25
 """in which the tool would reach the gizmo, if it may go that fast"""
@@ -22,11 +22,11 @@ class Gizmo:
         self._tool_pose = tool_pose
         self._twist_scale = np.array(twist_scale, float)
 
-    def motion(self, given: Given) -> Motion:
+    def motion(self, operator_input: OperatorInput) -> Motion:
         """Towards the gizmo, its direction kept where it cannot go as fast as wished."""
-        if given.goal is None:
+        if operator_input.goal is None:
             return NOTHING
-        twist = twist_between(self._tool_pose(), transform_of(given.goal), _CATCH_UP_S)
+        twist = twist_between(self._tool_pose(), transform_of(operator_input.goal), _CATCH_UP_S)
         shares = twist / self._twist_scale
         # Way and turn apart, so that a large turn does not slow down the way.
         for part in (shares[:3], shares[3:]):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sheath_manip.controllers.teleop.device import Motion, grip_of
-from sheath_manip.types.operator_input import Binding, Given
+from sheath_manip.types.operator_input import Binding, OperatorInput
 
 _MOVES = {
     "KeyI": (0, 1.0),
@@ -47,13 +47,13 @@ class Keys:
         self.speed = speed
         self.fine_speed = fine_speed
 
-    def motion(self, given: Given) -> Motion:
+    def motion(self, operator_input: OperatorInput) -> Motion:
         """The sum of the held keys."""
         twist = np.zeros(6)
-        held = given.keys & _MOVES.keys()
+        held = operator_input.keys & _MOVES.keys()
         for key in held:
             entry, sign = _MOVES[key]
             twist[entry] += sign
-        twist *= self.fine_speed if _FINE in given.keys else self.speed
-        grip = grip_of(_CLOSE in given.keys, _OPEN in given.keys)
+        twist *= self.fine_speed if _FINE in operator_input.keys else self.speed
+        grip = grip_of(_CLOSE in operator_input.keys, _OPEN in operator_input.keys)
         return Motion(twist, grip, dead_man=bool(held) or grip is not None)

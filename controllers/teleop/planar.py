@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sheath_manip.controllers.teleop import keys
 from sheath_manip.controllers.teleop.together import Together
 from sheath_manip.types import Action
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 
 class PlanarHands:
@@ -39,9 +39,11 @@ class PlanarHands:
         scale = np.array([top_speed_m_s, top_speed_m_s, *[np.inf] * 4])
         self._devices = Together(tool_pose, scale)
 
-    def action(self, given: Given) -> Action:
+    def action(self, operator_input: OperatorInput) -> Action:
         """(a,) the devices' sum, within the bounds."""
-        return self._action_for(self._top_speed_m_s * self._devices.motion(given).twist[:2])
+        return self._action_for(
+            self._top_speed_m_s * self._devices.motion(operator_input).twist[:2]
+        )
 
     def tool_pose(self) -> NDArray[np.float64]:
         """(7,) where the gizmo belongs, its axes the world's."""

@@ -10,7 +10,7 @@ from sheath_manip.controllers.teleop.gamepad import GamepadDevice
 from sheath_manip.controllers.teleop.gizmo import Gizmo
 from sheath_manip.controllers.teleop.keys import Keys
 from sheath_manip.controllers.teleop.six_axes import SixAxesDevice
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 
 class Together:
@@ -28,9 +28,9 @@ class Together:
             SixAxesDevice(),
         )
 
-    def motion(self, given: Given) -> Motion:
+    def motion(self, operator_input: OperatorInput) -> Motion:
         """Return the sum of the devices that are held, finite and within the shares."""
-        motions = (device.motion(given) for device in self.devices)
+        motions = (device.motion(operator_input) for device in self.devices)
         held = [motion for motion in motions if motion.dead_man]
         twist = sum((motion.twist for motion in held), np.zeros(6))
         grips = [motion.grip for motion in held if motion.grip is not None]

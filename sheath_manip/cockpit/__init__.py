@@ -9,14 +9,14 @@ from sheath_manip.cockpit.environment import OperatedEnvironment
 from sheath_manip.cockpit.gate import PersonGate
 from sheath_manip.cockpit.operator import Operator, beside_the_policy
 from sheath_manip.cockpit.orders import Order
-from sheath_manip.types.operator_input import Gamepad, Given, SixAxes
+from sheath_manip.types.operator_input import Gamepad, OperatorInput, SixAxes
 
 __all__ = [
     "Cockpit",
     "Gamepad",
-    "Given",
     "OperatedEnvironment",
     "Operator",
+    "OperatorInput",
     "Order",
     "PersonGate",
     "SixAxes",

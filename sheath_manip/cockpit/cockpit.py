@@ -14,7 +14,7 @@ from sheath_manip.cockpit.orders import Order
 from sheath_manip.cockpit.standing import Ending, Now, Standing
 from sheath_manip.cockpit.state import State
 from sheath_manip.types import Actor, Outcome
-from sheath_manip.types.operator_input import EMPTY, Binding, Given, SixAxes
+from sheath_manip.types.operator_input import EMPTY, Binding, OperatorInput, SixAxes
 
 _GLANCE_S = 0.02
 """between two looks at how things stand while the run stands still"""
@@ -59,7 +59,7 @@ class Cockpit:
         self._axes: tuple[float, SixAxes] | None = None
         self._acting = State(operated=bool(guide), fallback=fallback)
         """the loop's part of what the page shows: turn, asking, left_s"""
-        self.given = EMPTY
+        self.input = EMPTY
         """what the person's devices said in this step"""
         self.tool_pose: NDArray[np.float64] | None = None
         """(7,) position (m) and wxyz quaternion, world frame, where the robot has a tool"""
@@ -96,9 +96,9 @@ class Cockpit:
         return self._seen().lease
 
     @property
-    def heard(self) -> Given:
+    def latest_input(self) -> OperatorInput:
         """What the operator's page said last."""
-        return self._seen().lease.given or EMPTY
+        return self._seen().lease.input or EMPTY
 
     def order(
         self, order: Order, station: str, value: float = 1.0, seen: int | None = None
@@ -114,7 +114,7 @@ class Cockpit:
             lambda standing: transitions.follow(standing, order, station, now_s, value, seen)
         )
 
-    def give(self, station: str, given: Given, age_s: float = 0.0) -> bool:
+    def submit_input(self, station: str, operator_input: OperatorInput, age_s: float = 0.0) -> bool:
         """Take what the devices of `station` said `age_s` ago, a heartbeat too; whether it drives.
 
         What is too old to go by is not heard.
@@ -122,7 +122,9 @@ class Cockpit:
         if age_s > LOST_AFTER_S:
             return self.lease.holder == station
         at_s = self._clock() - age_s
-        return self._hear(lambda standing: transitions.heard(standing, station, given, at_s))
+        return self._hear(
+            lambda standing: transitions.heard(standing, station, operator_input, at_s)
+        )
 
     def drag(self, station: str, goal: NDArray | None) -> bool:
         """Take where `station` drags the gizmo to, (7,), or None once it lets go of it."""
@@ -207,12 +209,12 @@ class Cockpit:
             self._standing = standing
         if news:
             self.on_change()
-        given = self._everything(standing.lease, now_s)
-        self.given = given or EMPTY
+        operator_input = self._everything(standing.lease, now_s)
+        self.input = operator_input or EMPTY
         return Now(
             standing.stopped,
             standing.taken,
-            given,
+            operator_input,
             standing.abandoned,
             standing.halted,
             standing.ending,
@@ -244,13 +246,13 @@ class Cockpit:
     def _seen(self) -> Standing:
         return transitions.aged(self._standing, self._clock())
 
-    def _everything(self, lease: Lease, now_s: float) -> Given | None:
-        if lease.given is None or not lease.alive(now_s):
+    def _everything(self, lease: Lease, now_s: float) -> OperatorInput | None:
+        if lease.input is None or not lease.alive(now_s):
             return None
         # Read once: another thread may put another one there.
         latest = self._axes
         axes = latest[1] if latest is not None and now_s - latest[0] <= LOST_AFTER_S else None
-        return replace(lease.given, goal=lease.goal, axes=axes)
+        return replace(lease.input, goal=lease.goal, axes=axes)
 
     def _by_program(self, order: Order) -> None:
         now_s = self._clock()

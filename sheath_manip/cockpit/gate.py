@@ -100,8 +100,8 @@ class PersonGate:
     def _whose(self, wanted: GateDecision, now: Now) -> tuple[Actor, Reason]:
         if now.must_hold:
             return Actor.HOLD, Reason.EMERGENCY_STOP if now.halted else Reason.WAITING
-        if now.given is not None:
-            if now.given.held or not self.dead_man:
+        if now.input is not None:
+            if now.input.held or not self.dead_man:
                 return Actor.OPERATOR, Reason.PERSON
             return Actor.HOLD, Reason.IDLE
         if wanted.actor is Actor.POLICY:

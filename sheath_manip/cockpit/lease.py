@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.types.operator_input import EMPTY, Given
+from sheath_manip.types.operator_input import EMPTY, OperatorInput
 
 LOST_AFTER_S = 0.4
 """without a heartbeat the operator's input counts as empty; with a control period of .1 s on top
@@ -26,7 +26,7 @@ class Lease:
     """the station that drives, None where nobody does"""
     beat_s: float = 0.0
     """when it was last heard of, by the cockpit's clock"""
-    given: Given | None = None
+    input: OperatorInput | None = None
     """what its devices said then; None after a silence that it must break"""
     goal: NDArray[np.float64] | None = None
     """(7,) where it drags the gizmo to, None while it does not"""
@@ -36,17 +36,17 @@ class Lease:
         """`station` has it from now on, and holds nothing yet."""
         return cls(station, now_s, EMPTY)
 
-    def heard(self, given: Given, at_s: float) -> Self:
+    def heard(self, operator_input: OperatorInput, at_s: float) -> Self:
         """A sign of life, of `at_s`."""
-        return replace(self, given=given, beat_s=at_s)
+        return replace(self, input=operator_input, beat_s=at_s)
 
     def silenced(self) -> Self:
         """Hold nothing until it is heard again; the right to drive goes on for a while."""
-        return replace(self, given=None, goal=None)
+        return replace(self, input=None, goal=None)
 
     def alive(self, now_s: float) -> bool:
         """Return whether somebody drives and was heard of a moment ago."""
-        return self.given is not None and now_s - self.beat_s <= LOST_AFTER_S
+        return self.input is not None and now_s - self.beat_s <= LOST_AFTER_S
 
     def expired(self, now_s: float) -> bool:
         """Return whether the lease's holder was not heard of for so long that it is lost."""

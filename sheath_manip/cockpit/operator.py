@@ -26,7 +26,7 @@ class Operator:
     def act(self, observation: Observation) -> Action:
         """(a,) what the person's devices said in this step."""
         del observation
-        return self.teleop.action(self.cockpit.given)
+        return self.teleop.action(self.cockpit.input)
 
 
 def beside_the_policy(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sheath_manip.cockpit.lease import NOBODY, Lease
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 
 class Ending(StrEnum):
@@ -58,7 +58,7 @@ class Now:
     stopped: bool
     taken: bool
     """whether a person has taken over"""
-    given: Given | None
+    input: OperatorInput | None
     """of the operator; None where nobody was heard of for too long"""
     abandoned: bool = False
     """whether who had taken over is gone without handing back"""
@@ -70,4 +70,4 @@ class Now:
     @property
     def must_hold(self) -> bool:
         """Whether nobody may act, not even a fallback, until a person says so."""
-        return self.halted or self.abandoned or (self.taken and self.given is None)
+        return self.halted or self.abandoned or (self.taken and self.input is None)

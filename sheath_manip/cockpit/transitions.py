@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit.lease import NOBODY, Lease
 from sheath_manip.cockpit.orders import OF_ANY_RUN, Order, clamped_speed
 from sheath_manip.cockpit.standing import Ending, Standing
-from sheath_manip.types.operator_input import Given
+from sheath_manip.types.operator_input import OperatorInput
 
 MOST_STEPS = 64
 """single ones that a paused run may still have to do"""
@@ -105,11 +105,13 @@ def left(standing: Standing, station: str) -> Standing | None:
     return lost(standing) if standing.lease.holder == station else None
 
 
-def heard(standing: Standing, station: str, given: Given, at_s: float) -> Standing | None:
+def heard(
+    standing: Standing, station: str, operator_input: OperatorInput, at_s: float
+) -> Standing | None:
     """`station` said at `at_s` what it holds; None where it does not drive."""
     if standing.lease.holder != station:
         return None
-    return replace(standing, lease=standing.lease.heard(given, at_s))
+    return replace(standing, lease=standing.lease.heard(operator_input, at_s))
 
 
 def dragged(standing: Standing, station: str, goal: NDArray | None) -> Standing | None:
@@ -121,7 +123,7 @@ def dragged(standing: Standing, station: str, goal: NDArray | None) -> Standing 
 
 def silenced(standing: Standing, station: str) -> Standing | None:
     """Return a state in which nothing that `station` said counts; None where nothing did."""
-    if standing.lease.holder != station or standing.lease.given is None:
+    if standing.lease.holder != station or standing.lease.input is None:
         return None
     return replace(standing, lease=standing.lease.silenced())
 

@@ -5,7 +5,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from sheath_manip.cockpit import Gamepad, Given, Order
+from sheath_manip.cockpit import Gamepad, OperatorInput, Order
 from sheath_manip.types.operator_input import MOST_KEYS
 
 LONGEST_MESSAGE = 2048
@@ -34,7 +34,7 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     seen: Annotated[int, Meta(ge=0)] | None = None
     """with an order: the number of the newest emergency stop that the station was shown"""
 
-    def given(self, codes: set[str]) -> Given | None:
+    def input(self, codes: set[str]) -> OperatorInput | None:
         """Return what is held, of the keys `codes` that drive.
 
         The answer is None where the message does not say.
@@ -42,7 +42,7 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         if self.keys is None:
             return None
         pad = self.pad
-        return Given(
+        return OperatorInput(
             frozenset(codes.intersection(self.keys)),
             None if pad is None else Gamepad(pad.axes, frozenset(pad.buttons)),
         )

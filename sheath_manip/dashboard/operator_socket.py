@@ -104,9 +104,9 @@ class OperatorSocket:
             self.cockpit.silence(station)
 
     def _take(self, station: str, said: OperatorMessage, age_s: float) -> None:
-        given = said.given(self._codes)
-        if given is not None:
-            self.cockpit.give(station, given, age_s)
+        operator_input = said.input(self._codes)
+        if operator_input is not None:
+            self.cockpit.submit_input(station, operator_input, age_s)
 
     def _follow(self, station: str, said: OperatorMessage) -> None:
         if said.order is not None and math.isfinite(said.value):

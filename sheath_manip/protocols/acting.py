@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.types import Action, Observation, Observations, Proposal
-from sheath_manip.types.operator_input import Binding, Given
+from sheath_manip.types.operator_input import Binding, OperatorInput
 
 
 class Expert(Protocol):
@@ -57,7 +57,7 @@ class Teleop(Protocol):
         """Whether what a gizmo moves stays level and at its height."""
         ...
 
-    def action(self, given: Given) -> Action:
+    def action(self, operator_input: OperatorInput) -> Action:
         """(a,) within the task's bounds, whatever the devices say."""
         ...
 

@@ -42,7 +42,7 @@ class SixAxes:
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class OperatorInput:
     """The input of all of an operator's devices together."""
 
     keys: frozenset[str] = frozenset()
@@ -63,7 +63,7 @@ class Given:
         )
 
 
-EMPTY = Given()
+EMPTY = OperatorInput()
 
 
 @dataclass(frozen=True)

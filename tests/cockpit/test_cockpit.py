@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
+from sheath_manip.cockpit import Cockpit, Gamepad, OperatorInput, Order, SixAxes
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
@@ -14,7 +14,7 @@ from sheath_manip.types import Outcome
 from sheath_manip.types.operator_input import Binding
 
 GUIDE = (Binding(("KeyI",), "on"),)
-KEYS = Given(keys=frozenset({"KeyI"}))
+KEYS = OperatorInput(keys=frozenset({"KeyI"}))
 
 
 class Clock:
@@ -37,16 +37,16 @@ def cockpit(clock) -> Cockpit:
 
 def test_one_drives_and_others_watch(cockpit):
     assert cockpit.order(Order.TAKE_OVER, "one")
-    assert cockpit.give("one", KEYS)
+    assert cockpit.submit_input("one", KEYS)
     assert not cockpit.order(Order.TAKE_OVER, "two")
-    assert not cockpit.give("two", Given())
+    assert not cockpit.submit_input("two", OperatorInput())
     assert not cockpit.drag("two", np.zeros(7))
     for order in (Order.PAUSE, Order.HAND_BACK, Order.DISCARD, Order.SPEED, Order.RESET):
         assert not cockpit.order(order, "two")
     now = cockpit.now()
     assert now.taken
-    assert now.given is not None
-    assert now.given.keys == {"KeyI"}
+    assert now.input is not None
+    assert now.input.keys == {"KeyI"}
     assert cockpit.state.operator == "one"
     assert cockpit.order(Order.HAND_BACK, "one")
     assert not cockpit.now().taken
@@ -55,15 +55,15 @@ def test_one_drives_and_others_watch(cockpit):
 
 def test_without_a_heartbeat_the_input_is_empty_and_later_the_lease_is_free(cockpit, clock):
     cockpit.order(Order.TAKE_OVER, "one")
-    cockpit.give("one", KEYS)
+    cockpit.submit_input("one", KEYS)
     clock.s += LOST_AFTER_S - 0.01
-    assert cockpit.now().given is not None
+    assert cockpit.now().input is not None
     clock.s += 0.02
-    assert cockpit.now().given is None
+    assert cockpit.now().input is None
     assert cockpit.now().taken
     assert not cockpit.order(Order.TAKE_OVER, "two")
-    assert cockpit.give("one", Given())
-    assert cockpit.now().given is not None
+    assert cockpit.submit_input("one", OperatorInput())
+    assert cockpit.now().input is not None
     clock.s += FREE_AFTER_S + 0.01
     now = cockpit.now()
     assert not now.taken
@@ -73,8 +73,8 @@ def test_without_a_heartbeat_the_input_is_empty_and_later_the_lease_is_free(cock
     assert now.taken
     assert not now.abandoned
     # What the one before held is not the next one's.
-    assert now.given is not None
-    assert not now.given.keys
+    assert now.input is not None
+    assert not now.input.keys
 
 
 def test_a_page_that_is_left_abandons_and_does_not_hand_back(cockpit):
@@ -143,7 +143,7 @@ def test_a_stop_voids_steps_takeover_and_resume(cockpit):
     cockpit.order(Order.STOP, "two")
     for order in (Order.RESUME, Order.STEP, Order.TAKE_OVER):
         assert not cockpit.order(order, "one", seen=1)
-    assert not cockpit.give("one", KEYS)
+    assert not cockpit.submit_input("one", KEYS)
     cockpit.order(Order.RESET, "two", seen=1)
     now = cockpit.now()
     assert now.halted
@@ -171,28 +171,28 @@ def test_anyone_lets_the_policy_go_on_where_who_drove_is_lost(cockpit):
 def test_what_is_too_old_is_no_sign_of_life(cockpit, clock):
     cockpit.order(Order.TAKE_OVER, "one")
     clock.s += LOST_AFTER_S + 0.01
-    cockpit.give("one", KEYS, age_s=LOST_AFTER_S + 0.01)
-    assert cockpit.now().given is None
-    cockpit.give("one", KEYS, age_s=LOST_AFTER_S - 0.1)
-    assert cockpit.now().given is not None
+    cockpit.submit_input("one", KEYS, age_s=LOST_AFTER_S + 0.01)
+    assert cockpit.now().input is None
+    cockpit.submit_input("one", KEYS, age_s=LOST_AFTER_S - 0.1)
+    assert cockpit.now().input is not None
     clock.s += 0.11
-    assert cockpit.now().given is None
+    assert cockpit.now().input is None
 
 
 def test_who_is_silenced_holds_nothing_until_it_is_heard_again(cockpit):
     cockpit.order(Order.TAKE_OVER, "one")
-    cockpit.give("one", KEYS)
+    cockpit.submit_input("one", KEYS)
     cockpit.drag("one", np.zeros(7))
     cockpit.silence("two")
-    assert cockpit.now().given is not None
+    assert cockpit.now().input is not None
     cockpit.silence("one")
     now = cockpit.now()
     assert now.taken
-    assert now.given is None
-    cockpit.give("one", Given())
+    assert now.input is None
+    cockpit.submit_input("one", OperatorInput())
     now = cockpit.now()
-    assert now.given is not None
-    assert not now.given.held
+    assert now.input is not None
+    assert not now.input.held
 
 
 def test_speed_is_clamped(cockpit):
@@ -258,30 +258,30 @@ def test_who_may_not_drive_cannot(clock):
 def test_a_device_that_is_plugged_in_here_drives_for_the_operator_only(cockpit, clock):
     axes = SixAxes(np.array([0.5, 0, 0, 0, 0, 0]))
     cockpit.turn_axes(axes)
-    assert cockpit.now().given is None
+    assert cockpit.now().input is None
     cockpit.order(Order.TAKE_OVER, "one")
     now = cockpit.now()
-    assert now.given is not None
-    assert now.given.axes is axes
-    assert now.given.held
+    assert now.input is not None
+    assert now.input.axes is axes
+    assert now.input.held
     clock.s += LOST_AFTER_S - 0.1
-    cockpit.give("one", Given())
+    cockpit.submit_input("one", OperatorInput())
     clock.s += 0.2
     now = cockpit.now()
-    assert now.given is not None
-    assert now.given.axes is None
+    assert now.input is not None
+    assert now.input.axes is None
 
 
 @pytest.mark.parametrize(
     ("given", "held"),
     [
-        (Given(), False),
+        (OperatorInput(), False),
         (KEYS, True),
-        (Given(pad=Gamepad((1.0, 0.0, 0.0, 0.0), frozenset({0}))), False),
-        (Given(pad=Gamepad((0.0, 0.0, 0.0, 0.0), frozenset({4}))), True),
-        (Given(goal=np.zeros(7)), True),
-        (Given(axes=SixAxes(np.zeros(6))), False),
-        (Given(axes=SixAxes(np.zeros(6), (True, False))), True),
+        (OperatorInput(pad=Gamepad((1.0, 0.0, 0.0, 0.0), frozenset({0}))), False),
+        (OperatorInput(pad=Gamepad((0.0, 0.0, 0.0, 0.0), frozenset({4}))), True),
+        (OperatorInput(goal=np.zeros(7)), True),
+        (OperatorInput(axes=SixAxes(np.zeros(6))), False),
+        (OperatorInput(axes=SixAxes(np.zeros(6), (True, False))), True),
     ],
 )
 def test_dead_man(given, held):
@@ -291,7 +291,7 @@ def test_dead_man(given, held):
 def test_a_call_from_the_page_returns_at_once(cockpit):
     calls: list[Callable[[], object]] = [
         lambda: cockpit.order(Order.PAUSE, "one"),
-        lambda: cockpit.give("one", KEYS),
+        lambda: cockpit.submit_input("one", KEYS),
         lambda: cockpit.state,
         lambda: cockpit.leave("one"),
     ]

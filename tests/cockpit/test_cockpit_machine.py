@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, event, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from sheath_manip.cockpit import Cockpit, Given, Order, PersonGate
+from sheath_manip.cockpit import Cockpit, OperatorInput, Order, PersonGate
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.exceptions import UnattendedError
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
@@ -21,7 +21,7 @@ from tests.cockpit.test_cockpit import Clock
 
 SEQUENCES = int(os.environ.get("SHEATH_COCKPIT_SEQUENCES", "40"))
 RATE_HZ = 20.0
-KEY = Given(keys=frozenset({"KeyI"}))
+KEY = OperatorInput(keys=frozenset({"KeyI"}))
 SEEN = Observation({}, np.zeros(1, np.float32), 0.0)
 AT_REST = Proposal(np.zeros((1, 1), np.float32))
 PAGES = st.integers(0, 2)
@@ -58,7 +58,7 @@ class Page:
     loads: int = 0
     shown: int = 0
     """the number of stops that it shows"""
-    holds: Given = field(default_factory=Given)
+    holds: OperatorInput = field(default_factory=OperatorInput)
     under_way: list = field(default_factory=list)
     """calls that the cockpit has not got yet, in their order"""
 
@@ -84,7 +84,7 @@ class CockpitMachine(RuleBasedStateMachine):
         self.ordered, self.granted, self.stepped = 0, False, False
         self.driver: str | None = None
         self.heard_s = 0.0
-        self.held: Given | None = None
+        self.held: OperatorInput | None = None
         self.closed = self.ended = False
         self.fitting = False
         self._episode()
@@ -138,9 +138,9 @@ class CockpitMachine(RuleBasedStateMachine):
     def let_the_policy_go_on(self, page: int, times: int) -> None:
         self.look_reset_and_resume(page)
         self._send(page, False, "order", Order.HAND_BACK, self.pages[page].shown)
-        self._go_on(page, Given(), times)
+        self._go_on(page, OperatorInput(), times)
 
-    def _go_on(self, page: int, given: Given, times: int) -> None:
+    def _go_on(self, page: int, given: OperatorInput, times: int) -> None:
         self.fitting = False
         for _ in range(times):
             self._send(page, False, "give", given, self.clock.s)
@@ -148,7 +148,7 @@ class CockpitMachine(RuleBasedStateMachine):
 
     @rule(page=PAGES, late=st.booleans(), held=st.booleans())
     def hold(self, page: int, late: bool, held: bool) -> None:
-        self._send(page, late, "give", KEY if held else Given(), self.clock.s)
+        self._send(page, late, "give", KEY if held else OperatorInput(), self.clock.s)
 
     @rule(page=PAGES)
     def look(self, page: int) -> None:
@@ -278,7 +278,7 @@ class CockpitMachine(RuleBasedStateMachine):
         if turn is Actor.OPERATOR:
             assert alive
             assert self.held is KEY
-            assert self.cockpit.given.keys == KEY.keys
+            assert self.cockpit.input.keys == KEY.keys
         if self.driver is not None:
             assert turn in (Actor.OPERATOR, Actor.HOLD)
         self.steps_done += 1
@@ -311,7 +311,7 @@ class CockpitMachine(RuleBasedStateMachine):
         self._age()
         if kind == "give":
             age_s = self.clock.s - extra
-            self.cockpit.give(station, what, age_s)
+            self.cockpit.submit_input(station, what, age_s)
             if self.driver == station and age_s <= LOST_AFTER_S:
                 self.held, self.heard_s = what, extra
         else:
@@ -340,7 +340,7 @@ class CockpitMachine(RuleBasedStateMachine):
             self.ordered = 0
         elif order is Order.TAKE_OVER and knows and not self.stopped and self.driver is None:
             self.driver, self.lost = station, False
-            self.held, self.heard_s = Given(), self.clock.s
+            self.held, self.heard_s = OperatorInput(), self.clock.s
         elif order is Order.HAND_BACK and knows and (self.lost or self.driver == station):
             self.driver, self.held, self.lost = None, None, False
         elif order in (Order.SUCCESS, Order.FAILURE, Order.SAVE, Order.DISCARD):

@@ -39,7 +39,7 @@ def page(cockpit) -> Iterator[Dashboard]:
 
 
 def drives(cockpit: Cockpit) -> bool:
-    given = cockpit.now().given
+    given = cockpit.now().input
     return given is not None and given.held
 
 
@@ -152,7 +152,7 @@ def test_who_says_too_much_is_not_heard_and_so_holds_but_its_stop_is(page, cockp
             flooding.send(HELD)
         flooding.send(json.dumps({"order": "pause"}))
         assert eventually(lambda: cockpit.paused)
-        assert cockpit.now().given is None
+        assert cockpit.now().input is None
         flooding.send(STOP)
         assert eventually(lambda: cockpit.state.stopped)
 

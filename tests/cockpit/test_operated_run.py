@@ -7,8 +7,8 @@ import pytest
 
 from sheath_manip.cockpit import (
     Cockpit,
-    Given,
     OperatedEnvironment,
+    OperatorInput,
     Order,
     PersonGate,
     beside_the_policy,
@@ -31,7 +31,7 @@ from tools.scripted_person import Absent
 
 INFO = EpisodeInfo("corridor", 3, Purpose.LEARNING, 50.0)
 PERIOD_S = 1 / 50.0
-LEFT, IDLE = Given(keys=frozenset({"KeyJ"})), Given()
+LEFT, IDLE = OperatorInput(keys=frozenset({"KeyJ"})), OperatorInput()
 Script = Mapping[int, Callable[[Cockpit], object]]
 """by the number of steps done, what is done at the page then"""
 
@@ -119,9 +119,9 @@ def reasons(episode: Episode) -> list[Reason]:
     return [step.decision.reason for step in episode.steps]
 
 
-def take(cockpit: Cockpit, given: Given = LEFT) -> None:
+def take(cockpit: Cockpit, given: OperatorInput = LEFT) -> None:
     assert cockpit.order(Order.TAKE_OVER, "page")
-    cockpit.give("page", given)
+    cockpit.submit_input("page", given)
 
 
 def test_nobody_comes_so_the_robot_holds_and_then_the_fallback_acts():
@@ -166,7 +166,7 @@ def test_who_hands_back_outside_is_asked_again():
 
 
 def test_a_person_takes_over_at_any_time_and_lets_go_of_the_dead_man():
-    script = {4: take, 6: lambda page: page.give("page", IDLE)}
+    script = {4: take, 6: lambda page: page.submit_input("page", IDLE)}
     episode, _ = run(script, AlwaysPolicy())
     assert reasons(episode)[4:] == [*[Reason.PERSON] * 2, *[Reason.IDLE] * 6]
     assert all(step.executed == 0 for step in episode.steps[6:])

@@ -267,7 +267,7 @@ def test_two_cannot_both_drive(grasp, opened):
         opened.wait_for_timeout(500)
         opened.keyboard.up("j")
         assert grasp.cockpit.lease.holder == holder
-        assert grasp.cockpit.given.keys == {"KeyO"}
+        assert grasp.cockpit.input.keys == {"KeyO"}
         # But the stop is everybody's.
         opened.keyboard.press("Space")
         wait_until(lambda: grasp.cockpit.state.stopped, "stop", opened)

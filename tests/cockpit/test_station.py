@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
-from sheath_manip.cockpit import Cockpit, Given
+from sheath_manip.cockpit import Cockpit, OperatorInput
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.operator_message import LONGEST_MESSAGE
 from sheath_manip.dashboard.operator_socket import PATH
@@ -36,10 +36,10 @@ def page(cockpit) -> Iterator[Dashboard]:
         yield page
 
 
-def given_to(cockpit: Cockpit) -> Given:
+def given_to(cockpit: Cockpit) -> OperatorInput:
     """What the control loop gets in a step."""
     cockpit.now()
-    return cockpit.given
+    return cockpit.input
 
 
 def own_address(page: Dashboard) -> str:
@@ -97,7 +97,7 @@ def test_a_station_that_goes_silent_drives_no_more_within_half_a_second(page, co
         assert eventually(lambda: given_to(cockpit).held)
         station.vanish()
         began_s = time.monotonic()
-        assert eventually(lambda: cockpit.now().given is None)
+        assert eventually(lambda: cockpit.now().input is None)
         assert time.monotonic() - began_s < 0.5
     # It has left for good now.
     assert eventually(lambda: cockpit.now().abandoned)
@@ -108,7 +108,7 @@ def test_only_the_keys_of_the_guide_are_heard(page, cockpit):
         station.order("take-over")
         station.hold(keys=["KeyJ", "KeyW", "Enter"], axes=(0.5, 0, 0, -1), buttons=(4,))
         assert eventually(lambda: given_to(cockpit).keys == {"KeyJ"})
-        pad = cockpit.heard.pad
+        pad = cockpit.latest_input.pad
         assert pad is not None
         assert pad.axes == (0.5, 0.0, 0.0, -1.0)
         assert pad.held

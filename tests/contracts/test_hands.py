@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from sheath_manip.cockpit import Gamepad, Given, SixAxes
+from sheath_manip.cockpit import Gamepad, OperatorInput, SixAxes
 from sheath_manip.dashboard.operator_socket import HOTKEYS
 from sheath_manip.protocols import Environment, Teleop
 from sheath_manip.tasks.table import TASKS
@@ -38,7 +38,7 @@ def hands(name, environment) -> Teleop:
     return make(environment)
 
 
-def anything(rng: random.Random, codes: list[str]) -> Given:
+def anything(rng: random.Random, codes: list[str]) -> OperatorInput:
     """What devices may say at once."""
     pad = Gamepad(
         (rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)),
@@ -46,7 +46,7 @@ def anything(rng: random.Random, codes: list[str]) -> Given:
     )
     goal = np.array([rng.uniform(-3, 3) for _ in range(7)])
     axes = SixAxes(np.array([rng.uniform(-1, 1) for _ in range(6)]), (rng.random() < 0.5, False))
-    return Given(
+    return OperatorInput(
         frozenset(rng.sample(codes, rng.randrange(len(codes)))),
         rng.choice([None, pad]),
         rng.choice([None, goal]),
@@ -66,7 +66,7 @@ def test_any_input_is_a_valid_action(hands, environment):
 
 def test_looking_changes_nothing(hands, environment):
     before = environment.state()
-    hands.action(Given())
+    hands.action(OperatorInput())
     hands.tool_pose()
     np.testing.assert_array_equal(environment.state(), before)
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sheath_manip.cockpit import Cockpit, Gamepad, Given, Order, SixAxes
+from sheath_manip.cockpit import Cockpit, Gamepad, OperatorInput, Order, SixAxes
 from sheath_manip.cockpit.spacemouse import SpaceMouse, six_axes
 from sheath_manip.controllers.teleop.arm import ArmHands
 from sheath_manip.controllers.teleop.buttons import ButtonHands
@@ -36,7 +36,7 @@ DEVICES: dict[str, Device] = {
 }
 share = st.floats(-1, 1)
 anything = st.builds(
-    Given,
+    OperatorInput,
     st.frozensets(st.sampled_from([code for binding in GUIDE for code in binding.codes])),
     st.none() | st.builds(Gamepad, st.tuples(share, share, share, share), st.frozensets(
         st.integers(0, 31)
@@ -59,7 +59,7 @@ def test_a_motion_is_finite_and_within_its_shares(name, given):
 
 @pytest.mark.parametrize("name", DEVICES)
 def test_nothing_given_is_a_dead_man_let_go(name):
-    assert not DEVICES[name].motion(Given()).dead_man
+    assert not DEVICES[name].motion(OperatorInput()).dead_man
 
 
 def arm() -> ArmHands:
@@ -78,9 +78,9 @@ def test_an_arms_action_is_within_its_bounds(given):
 
 def test_devices_add_up_and_what_they_leave_open_stays():
     pad = Gamepad((0.0, 0.0, 0.0, -1.0), frozenset({4}))
-    action = arm().action(Given(frozenset({"KeyI"}), pad))
+    action = arm().action(OperatorInput(frozenset({"KeyI"}), pad))
     np.testing.assert_allclose(action, [0.6, 0, 1, 0, 0, 0, 0.3], atol=1e-6)
-    np.testing.assert_allclose(arm().action(Given()), [0, 0, 0, 0, 0, 0, 0.3], atol=1e-6)
+    np.testing.assert_allclose(arm().action(OperatorInput()), [0, 0, 0, 0, 0, 0, 0.3], atol=1e-6)
 
 
 def planar() -> PlanarHands:
@@ -96,29 +96,31 @@ def test_in_a_plane_nothing_is_faster_than_it_may_be(given):
 
 
 def test_in_a_plane_devices_add_up_and_depth_and_turn_are_not_theirs():
-    keys = Given(frozenset({"KeyI", "KeyU", "Digit5"}), Gamepad((-0.55, 0, 1, 1), frozenset({4})))
+    keys = OperatorInput(
+        frozenset({"KeyI", "KeyU", "Digit5"}), Gamepad((-0.55, 0, 1, 1), frozenset({4}))
+    )
     np.testing.assert_allclose(planar().action(keys), [0.018, 0.015], atol=1e-6)
     goal = pose_of(HERE)
     goal[:3] += 0.0015, 0.003, -0.2
-    dragged = planar().action(Given(goal=goal))
+    dragged = planar().action(OperatorInput(goal=goal))
     np.testing.assert_allclose(dragged, [0.006, 0.012], atol=1e-6)
-    assert not planar().action(Given()).any()
+    assert not planar().action(OperatorInput()).any()
 
 
 def test_a_fine_key_slows_down_and_opposite_keys_cancel():
     keys = Keys()
-    assert keys.motion(Given(frozenset({"KeyI", "KeyB"}))).twist[0] == pytest.approx(0.15)
-    both = keys.motion(Given(frozenset({"KeyI", "KeyK", "KeyN"})))
+    assert keys.motion(OperatorInput(frozenset({"KeyI", "KeyB"}))).twist[0] == pytest.approx(0.15)
+    both = keys.motion(OperatorInput(frozenset({"KeyI", "KeyK", "KeyN"})))
     assert not both.twist.any()
     assert both.grip == 1.0
     assert both.dead_man
-    assert not keys.motion(Given(frozenset({"KeyB"}))).dead_man
+    assert not keys.motion(OperatorInput(frozenset({"KeyB"}))).dead_man
 
 
 def test_sticks_want_the_shoulder_button_and_leave_their_dead_zone():
     pushed = (0.0, -1.0, 0.0, 0.09)
-    assert not GamepadDevice().motion(Given(pad=Gamepad(pushed, frozenset({0})))).dead_man
-    motion = GamepadDevice().motion(Given(pad=Gamepad(pushed, frozenset({4, 1}))))
+    assert not GamepadDevice().motion(OperatorInput(pad=Gamepad(pushed, frozenset({0})))).dead_man
+    motion = GamepadDevice().motion(OperatorInput(pad=Gamepad(pushed, frozenset({4, 1}))))
     np.testing.assert_allclose(motion.twist, [1, 0, 0, 0, 0, 0])
     assert motion.grip == -1.0
 
@@ -126,10 +128,10 @@ def test_sticks_want_the_shoulder_button_and_leave_their_dead_zone():
 def test_the_gizmo_leads_the_tool_in_a_straight_line():
     goal = pose_of(HERE)
     goal[:3] += 0.2, 0.4, 0.0
-    twist = DEVICES["gizmo"].motion(Given(goal=goal)).twist
+    twist = DEVICES["gizmo"].motion(OperatorInput(goal=goal)).twist
     np.testing.assert_allclose(twist, [0.5, 1, 0, 0, 0, 0], atol=1e-9)
     goal[:3] -= 0.1999, 0.3999, 0.0
-    assert np.abs(DEVICES["gizmo"].motion(Given(goal=goal)).twist).max() < 0.01
+    assert np.abs(DEVICES["gizmo"].motion(OperatorInput(goal=goal)).twist).max() < 0.01
 
 
 def test_poses_there_and_back():
@@ -142,13 +144,15 @@ def test_a_car_and_a_player_by_keys_and_by_gamepad():
     assert PLATFORMER.teleop is not None
     wheel, player = DRIVING.teleop(None), PLATFORMER.teleop(None)
     assert isinstance(wheel, ButtonHands)
-    left = wheel.action(Given(frozenset({"KeyJ"})))
+    left = wheel.action(OperatorInput(frozenset({"KeyJ"})))
     assert left[0] == np.float32(np.deg2rad(15.0))
-    assert wheel.action(Given(pad=Gamepad((0.9, 0, 0, 0), frozenset())))[0] == -left[0]
-    assert wheel.action(Given(frozenset({"KeyJ", "KeyL"})))[0] == 0
-    run = player.action(Given(frozenset({"KeyL", "KeyI"}), Gamepad((0, 0, 0, 0), frozenset({2}))))
+    assert wheel.action(OperatorInput(pad=Gamepad((0.9, 0, 0, 0), frozenset())))[0] == -left[0]
+    assert wheel.action(OperatorInput(frozenset({"KeyJ", "KeyL"})))[0] == 0
+    run = player.action(
+        OperatorInput(frozenset({"KeyL", "KeyI"}), Gamepad((0, 0, 0, 0), frozenset({2})))
+    )
     assert run.tolist() == [0, 1, 1, 1]
-    assert player.action(Given(frozenset({"KeyJ", "KeyL"}))).tolist() == [0, 0, 0, 0]
+    assert player.action(OperatorInput(frozenset({"KeyJ", "KeyL"}))).tolist() == [0, 0, 0, 0]
 
 
 class Reading(SimpleNamespace):
@@ -182,12 +186,12 @@ def test_a_spacemouse_drives_for_who_has_taken_over(monkeypatch):
         cockpit.order(Order.TAKE_OVER, "page")
 
         def driven() -> bool:
-            cockpit.give("page", Given())
+            cockpit.submit_input("page", OperatorInput())
             now = cockpit.now()
-            return now.given is not None and now.given.held
+            return now.input is not None and now.input.held
 
         assert eventually(driven)
-        action = arm().action(cockpit.given)
+        action = arm().action(cockpit.input)
         np.testing.assert_allclose(action, [0, 0, -0.5, 0, 0, 0, 1], atol=1e-6)
     assert closed == [True]
 
