@@ -52,7 +52,7 @@ class BackUp:
         self.trail.clear()
 
     def follow(self, observation: Observation) -> None:  # noqa: ARG002
-        """Note where the tool is, whoever moved it there."""
+        """Note where the tool is, no matter who moved it there."""
         self.trail.pass_through(self._tool_pose())
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002

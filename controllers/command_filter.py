@@ -1,4 +1,4 @@
-"""Between whoever acts and the arm: every command is one after which the arm could still stop.
+"""Predictive safety filter: it passes only commands after which the arm can still stop.
 
 Limits that are held one step at a time collide: the joint that may not pass its end may not brake
 that hard either. So the filter plans for it. Together with its command it keeps a stop, the joint

@@ -40,7 +40,7 @@ class Sizes:
     turn_s: float = 8.0
     """that the episodes of a task take, one after the other; at the end the last one is waited
     for"""
-    turns: int = 8
+    turns: int = 5
     stored_episodes: int = 20
     steps: int = 300
     pixels: int = 84

@@ -20,7 +20,6 @@ from pathlib import Path
 import numpy as np
 
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat
 from sheath_manip.dataset.exchange.selection import Selection, selected
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.store import EpisodeStore
@@ -34,7 +33,7 @@ SCRIPTS = Path(__file__).parent / "readers"
 class Reader:
     """One loader, and what it reads."""
 
-    format: ExportFormat
+    format: str
     targets: tuple[str, ...]
     """file names to export to"""
     script: str
@@ -47,27 +46,27 @@ class Reader:
 
 READERS = {
     "zarr2": Reader(
-        ExportFormat.REPLAY_BUFFER,
+        "replay-buffer",
         ("demos.zarr", "demos.zarr.zip"),
         "read_replay_buffer.py",
         # 0.16 of numcodecs dropped what zarr 2 imports.
         ("zarr==2.18.7", "numcodecs==0.15.1"),
     ),
     "robomimic": Reader(
-        ExportFormat.ROBOMIMIC,
+        "robomimic",
         ("demos.hdf5",),
         "read_robomimic.py",
         ("h5py==3.16.0", "torch==2.13.0", "numpy==2.4.6", "tqdm", "termcolor"),
         bare=("robomimic==0.3.0",),
     ),
     "minari": Reader(
-        ExportFormat.MINARI,
+        "minari",
         ("demos-v0",),
         "read_minari.py",
         ("minari[hdf5]==0.5.4", "pillow"),
     ),
     "lerobot": Reader(
-        ExportFormat.LEROBOT,
+        "lerobot",
         ("demos",),
         "read_lerobot.py",
         (

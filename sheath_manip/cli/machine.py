@@ -10,6 +10,7 @@ from rich.text import Text
 from sheath_manip.cli import doctor
 from sheath_manip.cli.session import Session
 from sheath_manip.experiments.study import Study
+from sheath_manip.registry import working
 from sheath_manip.types import ActionSpec
 
 
@@ -31,12 +32,15 @@ class Tables:
         for task in session.tasks():
             session.out.print(_described(session.study(task.name)))
         # Only now: torch takes seconds to import.
+        from sheath_manip.dataset.exchange.formats import FORMATS
+        from sheath_manip.gates.making import GATES
         from sheath_manip.learning.methods import METHODS
         from sheath_manip.policies import EMBEDDINGS, POLICIES
         from sheath_manip.signals import SIGNALS
         from sheath_manip.support import SUPPORTS
         from sheath_manip.support.calibration import THRESHOLD_RULES
 
+        methods = working(METHODS, session.complain)
         session.out.print(
             _rows(
                 "to choose from",
@@ -46,7 +50,9 @@ class Tables:
                     "embeddings": ", ".join(EMBEDDINGS),
                     "supports": ", ".join(SUPPORTS),
                     "threshold rules": ", ".join(THRESHOLD_RULES),
-                    "methods": "\n".join(f"{m.name}: {m.summary}" for m in METHODS.values()),
+                    "gates": ", ".join(GATES),
+                    "formats": ", ".join(FORMATS),
+                    "methods": "\n".join(f"{m.name}: {m.summary}" for m in methods.values()),
                 },
             )
         )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sheath_manip.cli.options import Address
 from sheath_manip.cli.session import Session
@@ -12,7 +12,7 @@ from sheath_manip.cockpit import Cockpit, OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.playback.labels import FALLBACK
-from sheath_manip.protocols import Environment, Listener
+from sheath_manip.protocols import Environment, Expert, Listener
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import TaskSpec
@@ -102,10 +102,12 @@ class Crew:
         return self.listeners[0]  # pyright: ignore[reportReturnType]
 
     def operated(self) -> Task:
-        """The task, with episodes that a person may end."""
+        """The task, with episodes that a person may end; experts know the environment inside."""
         task = self.task
         return replace(
             task,
+            expert=partial(_made_inside, task.expert),
+            stand_ins={name: partial(_made_inside, make) for name, make in task.stand_ins.items()},
             variants={name: partial(self._made, make) for name, make in task.variants.items()},
             run_variants={
                 name: partial(self._made, make) for name, make in task.run_variants.items()
@@ -132,3 +134,9 @@ class Crew:
     def can_hold(self) -> bool:
         """Whether the robot can stay where it is."""
         return HOLD in self.task.fallbacks
+
+
+def _made_inside(make: Callable[[Any], Expert], environment: Environment) -> Expert:
+    """An expert looks at the physics, which an operated environment does not show."""
+    operated = isinstance(environment, OperatedEnvironment)
+    return make(environment.environment if operated else environment)

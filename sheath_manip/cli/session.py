@@ -58,13 +58,14 @@ class Session:
 
     def tasks(self) -> list[Task]:
         """Return all tasks but those that cannot be imported, of which a line is printed each."""
-        return list(working(self.catalog().tasks, self._complain).values())
+        return list(working(self.catalog().tasks, self.complain).values())
 
     def studies(self) -> list[Study]:
         """Return all studies, as `tasks` does."""
-        return list(working(self.catalog().studies, self._complain).values())
+        return list(working(self.catalog().studies, self.complain).values())
 
-    def _complain(self, line: str) -> None:
+    def complain(self, line: str) -> None:
+        """Print a line about what is left out."""
         self.err.print(Text(line, "yellow"))
 
     def announce(self, address: str) -> None:

@@ -1,4 +1,4 @@
-"""Access control around viser's web server, which on its own obeys whoever reaches it."""
+"""Access control around viser's web server, which on its own obeys everybody who reaches it."""
 
 import hashlib
 import hmac

@@ -15,7 +15,7 @@ class Desk:
     """What a part is built on.
 
     A part's callbacks run on viser's thread: they only take note of what a person asks for, clamp
-    it, and call `wake`. Whoever can do it (control loop, worker, drawer) looks there.
+    it, and call `wake`. The one that can do it (control loop, worker, drawer) looks there.
     """
 
     viser: viser.ViserServer

@@ -7,7 +7,7 @@ from sheath_manip.playback.film import Film
 
 
 class Playhead:
-    """Set by callbacks and by whoever plays, read by the drawer."""
+    """Set by callbacks and by the player, read by the drawer."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
         """`wake` is called after each change."""

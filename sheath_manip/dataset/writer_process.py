@@ -78,7 +78,7 @@ class WriterProcess:
 
 def serve(path: str, requests: IO[bytes], answers: IO[bytes]) -> None:
     """Adopt what comes until no more does, and answer each with None or with what went wrong."""
-    # Whoever asked may be killed at any moment: half a request is none, and nobody hears an answer.
+    # Its parent may be killed at any moment: half a request is none, and nobody hears an answer.
     with suppress(EOFError, pickle.UnpicklingError, BrokenPipeError):
         while True:
             recorded = pickle.load(requests)

@@ -25,7 +25,7 @@ class Claim:
     """a module's own function, since a task's entry travels to worker processes"""
     relation: Literal["<=", ">=", "<", ">"]
     goal: Callable[[Summary], float]
-    """likewise; the bar may be another number of the same summary"""
+    """what the value is held against; it may be another number of the same summary"""
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,7 @@ def _summary(
     expert = [
         record_of(episode)
         for episode in store.episodes(method=EXPERT, need_images=False)
-        # Whom a push made fail says nothing of the expert.
+        # Failures caused by injected action noise do not count against the expert.
         if plan.schedule.demonstration_noise == 0
         or episode.info.purpose is not Purpose.DEMONSTRATION
     ]

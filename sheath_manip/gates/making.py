@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.human import HumanGate, Nobody, Person
@@ -12,37 +11,31 @@ from sheath_manip.gates.query import QueryFilter
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.gates.takeover import RandomTakeover
 from sheath_manip.protocols import Gate
+from sheath_manip.registry import Registry
 
 
 @dataclass(frozen=True)
-class Given:
-    """What a gate may need beside what was fitted."""
+class GateKind:
+    """One kind of gate: how it is made, and what must be fitted for it."""
 
-    expert_share: float
-    """with which the expert acts under a schedule, in 0..1"""
-    person: Person
-    """who may take over where a gate leaves that to a person"""
+    make: Callable[[FittedGate, Person], Gate]
+    """from what was fitted, and the person who may take over"""
+    looks: bool = False
+    """whether it judges by a signal: for others none is fitted"""
 
 
-def make_gate(
-    fitted: FittedGate, *, expert_share: float | None = None, person: Person | None = None
-) -> Gate:
+def make_gate(fitted: FittedGate, *, person: Person | None = None) -> Gate:
     """Return a fresh gate of the kind that `fitted.config` names; raises UnknownNameError.
 
     Args:
         fitted: settings, signal and threshold.
-        expert_share: of the settings where it is None.
-        person: nobody where it is None.
+        person: who may take over where a gate leaves that to a person; nobody where it is None.
     """
-    config = fitted.config
-    if config.kind not in GATES:
-        raise UnknownNameError("kind of gate", config.kind, GATES)
-    share = config.expert_share if expert_share is None else expert_share
-    return GATES[config.kind](fitted, Given(share, person or Nobody()))
+    return GATES[fitted.config.kind].make(fitted, person or Nobody())
 
 
-def _support(fitted: FittedGate, given: Given) -> Gate:
-    del given
+def _support(fitted: FittedGate, person: Person) -> Gate:
+    del person
     config = fitted.config
     return SupportGate(
         fitted,
@@ -54,16 +47,27 @@ def _support(fitted: FittedGate, given: Given) -> Gate:
     )
 
 
-GATES: dict[str, Callable[[FittedGate, Given], Gate]] = {
-    "support": _support,
-    "query-filter": lambda fitted, _: QueryFilter(fitted, fitted.threshold),
-    "expert": lambda *_: AlwaysExpert(),
-    "mixture": lambda _, given: Mixture(given.expert_share),
-    "random-takeover": lambda fitted, given: RandomTakeover(
-        given.expert_share, query=fitted.config.labels == "all"
-    ),
-    "human": lambda _, given: HumanGate(given.person),
-}
-"""Called with what was fitted, and what else there is."""
-LOOKING = ("support", "query-filter")
-"""the kinds that judge by a signal: for the others none is fitted"""
+SUPPORT = GateKind(_support, looks=True)
+QUERY_FILTER = GateKind(lambda fitted, _: QueryFilter(fitted, fitted.threshold), looks=True)
+EXPERT = GateKind(lambda *_: AlwaysExpert())
+MIXTURE = GateKind(lambda fitted, _: Mixture(fitted.config.expert_share))
+RANDOM_TAKEOVER = GateKind(
+    lambda fitted, _: RandomTakeover(
+        fitted.config.expert_share, query=fitted.config.labels == "all"
+    )
+)
+HUMAN = GateKind(lambda _, person: HumanGate(person))
+
+GATES: Registry[GateKind] = Registry(
+    "kind of gate",
+    "sheath.gates",
+    {
+        "support": f"{__name__}:SUPPORT",
+        "query-filter": f"{__name__}:QUERY_FILTER",
+        "expert": f"{__name__}:EXPERT",
+        "mixture": f"{__name__}:MIXTURE",
+        "random-takeover": f"{__name__}:RANDOM_TAKEOVER",
+        "human": f"{__name__}:HUMAN",
+    },
+    of=GateKind,
+)

@@ -63,14 +63,13 @@ class Checkpoint:
         """Return the same with another threshold."""
         return replace(self, fitted=replace(self.fitted, threshold=threshold))
 
-    def gate(self, *, expert_share: float | None = None, person: Person | None = None) -> Gate:
+    def gate(self, *, person: Person | None = None) -> Gate:
         """Return its gate, with the settings that it was trained with: the only way to one.
 
         Args:
-            expert_share: for a gate that follows a schedule; as in its settings where it is None.
             person: who may take over where the gate leaves that to a person; nobody where None.
         """
-        return make_gate(self.fitted, expert_share=expert_share, person=person)
+        return make_gate(self.fitted, person=person)
 
     def save(self, path: Path | str) -> Path:
         """Write the file in one stroke: it is there whole or not at all. Returns its path."""

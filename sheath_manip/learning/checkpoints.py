@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from sheath_manip.gates.fitted import FittedGate, Sources
-from sheath_manip.gates.making import LOOKING
+from sheath_manip.gates.making import GATES
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import fit_gate, recalibrated
@@ -62,14 +62,19 @@ class Checkpoints:
         return self._read_or(fit, EXPERT, 0)
 
     def begun(
-        self, method: Method, first: Checkpoint, states: Samples, names: Sequence[str]
+        self,
+        method: Method,
+        first: Checkpoint,
+        states: Samples,
+        names: Sequence[str],
+        expert_share: float | None = None,
     ) -> Checkpoint:
         """Return `first` with the method's own gate, and its policy as the method begins with it.
 
         Where the method looks as the plan does, and only holds or labels otherwise, nothing has to
-        be fitted for that.
+        be fitted for that. `expert_share` is that of round 1, where a schedule says so.
         """
-        plan = method.plan(self.plan)
+        plan = self._plan_of(method, expert_share)
         if plan == self.plan:
             return first
 
@@ -79,14 +84,11 @@ class Checkpoints:
                 learned = method.initial_policy(first.policy.arrays())
                 policy = self._fresh_policy(plan).load(learned)
             config = plan.gate
-            if config.kind not in LOOKING:
-                return replace(
-                    first,
-                    policy=policy,
-                    policy_name=plan.policy.name,
-                    fitted=replace(first.fitted, config=config, policy=policy, signal=None),
-                )
-            if config.fitted_like(self.plan.gate):
+            if not GATES[config.kind].looks:
+                # Without the threshold of the gate that all others begin with.
+                fitted = FittedGate(config, policy, sources=first.fitted.sources)
+                return replace(first, policy=policy, policy_name=plan.policy.name, fitted=fitted)
+            if first.fitted.signal is not None and config.fitted_like(self.plan.gate):
                 return replace(first, fitted=replace(first.fitted, config=config))
             return self._with_gate(plan, policy, states, names)
 
@@ -100,6 +102,7 @@ class Checkpoints:
         aggregated: Samples,
         visited: Samples,
         names: Sequence[str],
+        expert_share: float | None = None,
     ) -> Checkpoint:
         """Return that after round `number`: policy (warm), signal and threshold.
 
@@ -111,16 +114,17 @@ class Checkpoints:
             visited: all states of the round. Where none was labelled, nothing new is known of the
                 policy, and only the threshold is found again.
             names: of the episodes that `aggregated` is from.
+            expert_share: of the next round, where a schedule says so.
         """
-        plan = method.plan(self.plan)
+        plan = self._plan_of(method, expert_share)
         new = visited.labelled()
 
         def fit() -> Checkpoint:
             if len(new) == 0:
-                if previous.fitted.signal is None or not plan.gate.threshold.recalibrate:
-                    return previous
-                again = recalibrated(previous.fitted, self.calibration, visited)
-                return replace(previous, fitted=again)
+                kept = replace(previous.fitted, config=plan.gate)
+                if kept.signal is not None and plan.gate.threshold.recalibrate:
+                    kept = recalibrated(kept, self.calibration, visited)
+                return replace(previous, fitted=kept)
             # A copy: what drove the round is yet to be measured.
             policy = self._fresh_policy(plan).load(previous.policy.arrays())
             policy.fit(new if method.latest_only else aggregated)
@@ -136,6 +140,11 @@ class Checkpoints:
         """Return the digest of the checkpoint's file."""
         return digest(self.path(checkpoint))
 
+    def _plan_of(self, method: Method, expert_share: float | None) -> LearningPlan:
+        """What the method makes of the plan; the share is kept in the gate's settings."""
+        plan = method.plan(self.plan)
+        return plan if expert_share is None else plan.changed(gate={"expert_share": expert_share})
+
     def _with_gate(
         self,
         plan: LearningPlan,
@@ -146,7 +155,7 @@ class Checkpoints:
         visited: Samples | None = None,
     ) -> Checkpoint:
         sources = Sources(tuple(names), self.held_out)
-        if plan.gate.kind in LOOKING:
+        if GATES[plan.gate.kind].looks:
             fit = fit_gate(
                 policy,
                 states,

@@ -46,8 +46,6 @@ class GatedPolicy:
     """of its file: another one at the same place is another driver"""
     expert: str = SCRIPTED
     """the expert, or a fallback controller by its name"""
-    expert_share: float | None = None
-    """for a gate that follows a schedule; as in its settings where it is None"""
     attended: bool = True
     """whether an attentive person watches, for gates that ask one when to take over"""
 
@@ -56,7 +54,7 @@ class GatedPolicy:
         checkpoint = load_checkpoint(self.checkpoint, environment.spec)
         expert = CachedExpert(task.make_expert(environment, self.expert))
         person = attentive_person(expert, environment.spec.action) if self.attended else None
-        gate = checkpoint.gate(expert_share=self.expert_share, person=person)
+        gate = checkpoint.gate(person=person)
         return Crew(gate, checkpoint.policy, expert)
 
 

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sheath_manip.exceptions import UnknownNameError
-from sheath_manip.gates.making import LOOKING
+from sheath_manip.gates.making import GATES
 from sheath_manip.learning.config import LearningPlan, Schedule
 from sheath_manip.policies import FEATURE_EMBEDDINGS
 from sheath_manip.policies.smile import as_first_member, expert_weight
 from sheath_manip.protocols import Arrays
+from sheath_manip.registry import Registry
 
 # The draft's, on binary features: its c = 0.01, taken as a share of them, since on distances
 # themselves it would take exact copies of the training states alone for inside.
@@ -46,7 +46,7 @@ class Method:
 
     def uses_signal(self, plan: LearningPlan) -> bool:
         """Tell whether its gate judges by a signal, under the experiment's `plan`."""
-        return self.plan(plan).gate.kind in LOOKING
+        return GATES[self.plan(plan).gate.kind].looks
 
 
 def _gate(**settings: object) -> Callable[[LearningPlan], LearningPlan]:
@@ -80,83 +80,97 @@ def _smile(plan: LearningPlan) -> LearningPlan:
     return mixed.changed(gate={"kind": "mixture"})
 
 
-METHODS = {
-    method.name: method
-    for method in (
-        Method(
-            "cloning",
-            "the expert drives, the policy only watches",
-            _gate(kind="expert"),
-        ),
-        # beta_1 = 1 are the demonstrations; after them the policy drives alone (Ross et al. 2011).
-        Method(
-            "dagger",
-            "the policy drives, every state is labelled",
-            _gate(kind="mixture"),
-        ),
-        Method(
-            "dagger-beta",
-            "the expert at random, with probability beta^i in round i, else the policy",
-            _gate(kind="mixture"),
-            share=lambda schedule, number: schedule.beta**number,
-        ),
-        Method(
-            "smile",
-            "the policies of all rounds at random, and less and less the expert",
-            _smile,
-            initial_policy=as_first_member,
-            share=lambda schedule, number: expert_weight(schedule.alpha, number),
-            latest_only=True,
-        ),
-        Method("sheath", "the policy inside its support, the expert outside"),
-        Method(
-            "sheath-own-labels",
-            "SHEATH, learning from the expert's own steps",
-            _gate(labels="own"),
-        ),
-        Method(
-            "sheath-plain",
-            "SHEATH as in the draft: the support's own boundary",
-            _paper,
-        ),
-        Method(
-            "shiv",
-            "the policy drives, states outside its support are labelled",
-            _gate(kind="query-filter"),
-        ),
-        Method(
-            "hg-dagger",
-            "the expert where a person says so, whose steps are learned from",
-            _gate(kind="human"),
-        ),
-        Method(
-            "lazy-dagger",
-            "SHEATH with own labels, handing back well inside only",
-            _gate(labels="own", release_rate=RELEASE_RATE),
-        ),
-        Method(
-            "thrifty-dagger",
-            "SHEATH with own labels, at the threshold of an intervention budget",
-            _gate(labels="own", threshold={"rule": "budget", "recalibrate": True}),
-        ),
-        Method(
-            "random-takeover",
-            "the expert at random, with SHEATH's own share",
-            _gate(kind="random-takeover"),
-            share_from="sheath",
-        ),
-        Method(
-            "random-own-labels",
-            "the expert at random, with the share and the labels of SHEATH with own labels",
-            _gate(kind="random-takeover", labels="own"),
-            share_from="sheath-own-labels",
-        ),
-    )
-}
+CLONING = Method(
+    "cloning",
+    "the expert drives, the policy only watches",
+    _gate(kind="expert"),
+)
+# beta_1 = 1 are the demonstrations; after them the policy drives alone (Ross et al. 2011).
+DAGGER = Method(
+    "dagger",
+    "the policy drives, every state is labelled",
+    _gate(kind="mixture"),
+)
+DAGGER_BETA = Method(
+    "dagger-beta",
+    "the expert at random, with probability beta^i in round i, else the policy",
+    _gate(kind="mixture"),
+    share=lambda schedule, number: schedule.beta**number,
+)
+SMILE = Method(
+    "smile",
+    "the policies of all rounds at random, and less and less the expert",
+    _smile,
+    initial_policy=as_first_member,
+    share=lambda schedule, number: expert_weight(schedule.alpha, number),
+    latest_only=True,
+)
+SHEATH = Method("sheath", "the policy inside its support, the expert outside")
+SHEATH_OWN_LABELS = Method(
+    "sheath-own-labels",
+    "SHEATH, learning from the expert's own steps",
+    _gate(labels="own"),
+)
+SHEATH_PLAIN = Method(
+    "sheath-plain",
+    "SHEATH as in the draft: the support's own boundary",
+    _paper,
+)
+SHIV = Method(
+    "shiv",
+    "the policy drives, states outside its support are labelled",
+    _gate(kind="query-filter"),
+)
+HG_DAGGER = Method(
+    "hg-dagger",
+    "the expert where a person says so, whose steps are learned from",
+    _gate(kind="human"),
+)
+LAZY_DAGGER = Method(
+    "lazy-dagger",
+    "SHEATH with own labels, handing back well inside only",
+    _gate(labels="own", release_rate=RELEASE_RATE),
+)
+THRIFTY_DAGGER = Method(
+    "thrifty-dagger",
+    "SHEATH with own labels, at the threshold of an intervention budget",
+    _gate(labels="own", threshold={"rule": "budget", "recalibrate": True}),
+)
+RANDOM_TAKEOVER = Method(
+    "random-takeover",
+    "the expert at random, with SHEATH's own share",
+    _gate(kind="random-takeover"),
+    share_from="sheath",
+)
+RANDOM_OWN_LABELS = Method(
+    "random-own-labels",
+    "the expert at random, with the share and the labels of SHEATH with own labels",
+    _gate(kind="random-takeover", labels="own"),
+    share_from="sheath-own-labels",
+)
+
+METHODS: Registry[Method] = Registry(
+    "method",
+    "sheath.methods",
+    {
+        "cloning": f"{__name__}:CLONING",
+        "dagger": f"{__name__}:DAGGER",
+        "dagger-beta": f"{__name__}:DAGGER_BETA",
+        "smile": f"{__name__}:SMILE",
+        "sheath": f"{__name__}:SHEATH",
+        "sheath-own-labels": f"{__name__}:SHEATH_OWN_LABELS",
+        "sheath-plain": f"{__name__}:SHEATH_PLAIN",
+        "shiv": f"{__name__}:SHIV",
+        "hg-dagger": f"{__name__}:HG_DAGGER",
+        "lazy-dagger": f"{__name__}:LAZY_DAGGER",
+        "thrifty-dagger": f"{__name__}:THRIFTY_DAGGER",
+        "random-takeover": f"{__name__}:RANDOM_TAKEOVER",
+        "random-own-labels": f"{__name__}:RANDOM_OWN_LABELS",
+    },
+    of=Method,
+)
 
 
 def method_named(name: str) -> Method:
     """Return the method; raises UnknownNameError."""
-    if name not in METHODS:
-        raise UnknownNameError("method", name, METHODS)
     return METHODS[name]

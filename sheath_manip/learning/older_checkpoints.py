@@ -54,5 +54,5 @@ def header_of_schema_2(path: Path, header: dict[str, Any]) -> dict[str, Any]:
             "sources": {"fitted_to": [], "held_out": []},
             "training_loss": float("nan"),
         }
-    except (OSError, ValueError, KeyError, TypeError, SheathError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, SheathError) as error:
         raise CheckpointError(f"{path} of schema 2 does not fit {found}: {error}") from error

@@ -137,7 +137,7 @@ class LearningRun:
         self._tell(results[0])
         labelled, names = [start.demonstrations], list(start.names)
         checkpoint = start.checkpoints.begun(
-            method, start.checkpoint, start.demonstrations, start.names
+            method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
         )
         while not results[-1].final:
             number = len(results)
@@ -148,7 +148,13 @@ class LearningRun:
                 names += [episode_name(each.info) for each in episodes if _is_labelled(each)]
             aggregated = joined(labelled)
             refitted = start.checkpoints.refitted(
-                method, number, checkpoint, aggregated, visited, names
+                method,
+                number,
+                checkpoint,
+                aggregated,
+                visited,
+                names,
+                self._share(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
             path = self._path(method.name, number, "json")
@@ -187,8 +193,7 @@ class LearningRun:
     ) -> list[Episode]:
         checkpoints = start.checkpoints
         digest = checkpoints.digest(checkpoint)
-        share = self._share(method, number)
-        driver = GatedPolicy(checkpoints.path(checkpoint), digest, expert_share=share)
+        driver = GatedPolicy(checkpoints.path(checkpoint), digest)
         count = self.plan.schedule.episodes
         driven = self._supervised(driver)
         return self._episodes(Purpose.LEARNING, method.name, number, count, driven, digest)
@@ -223,6 +228,7 @@ class LearningRun:
         return list(self.executor.map(requests, self.store, self.listeners, self.report))
 
     def _share(self, method: Method, number: int) -> float | None:
+        """The expert's share in a round, where a schedule or another method says so."""
         if method.share is not None:
             return method.share(self.plan.schedule, number)
         if method.share_from is None:

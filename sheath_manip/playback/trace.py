@@ -92,7 +92,7 @@ class GrowingTrace:
         columns.limited[at] = bool(step.limited)
         columns.reason[at] = REASONS.index(decision.reason)
         columns.tool_m[at] = NOWHERE if pose.tool_m is None else pose.tool_m
-        # Last, so that whoever looks meanwhile sees only what is complete.
+        # Last, so that a reader meanwhile sees only what is complete.
         self._length += 1
 
     def so_far(self) -> Trace:

@@ -54,7 +54,7 @@ class SpatialPolicy(Memoryless):
             steps: gradient steps of a cold fit, however many samples there are.
             warm_steps: of a warm refit.
             learning_rate: of Adam at its peak in a cold fit; it falls linearly to 0.
-            warm_learning_rate: likewise in a warm one.
+            warm_learning_rate: the same in a warm fit.
             batch_size: states a gradient step.
             weight_decay: decoupled (AdamW).
             shift_px: most pixels by which an image is moved at random in training, each camera's

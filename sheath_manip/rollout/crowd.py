@@ -26,6 +26,11 @@ class Ticket:
     """where its answer goes"""
     tries: int = 0
 
+    @property
+    def name(self) -> str:
+        """Of its episode."""
+        return episode_name(self.errand.request.info)
+
 
 @dataclass(eq=False)
 class _Worker:
@@ -99,7 +104,15 @@ class Crowd:
             for worker in self._hired:
                 worker.process.join()
                 worker.connection.close()
-            self._hired.clear()
+            with self._lock:
+                # Also where this thread fails: those who wait for an answer would wait for ever.
+                self._closing = True
+                begun = [each.ticket for each in self._hired if each.ticket is not None]
+                unanswered, self._hired = [*begun, *self._pending], []
+                self._pending.clear()
+            for ticket in unanswered:
+                fault = WorkerError(f"{ticket.name} was not run: the executor was closed")
+                ticket.answers.put((ticket, Answer(fault=fault)))
 
     def _hand_out(self) -> None:
         with self._lock:
@@ -114,6 +127,15 @@ class Crowd:
                     worker.connection.send(worker.ticket.errand)
                 except OSError:
                     self._replace(worker)
+                except Exception as error:
+                    # What cannot be pickled says so in many ways, before any of it is sent.
+                    fault = WorkerError(
+                        f"{worker.ticket.name} cannot be sent to a worker process "
+                        f"({type(error).__name__}: {error}); wanted a driver and a task that can "
+                        "be pickled, or a SerialExecutor"
+                    )
+                    ticket, worker.ticket = worker.ticket, None
+                    ticket.answers.put((ticket, Answer(fault=fault)))
 
     def _next_for(self, worker: _Worker) -> Ticket:
         """The first that wants the environment which the worker has, else the first."""
@@ -156,7 +178,7 @@ class Crowd:
             self._pending.appendleft(ticket)
             return
         fault = WorkerError(
-            f"{episode_name(ticket.errand.request.info)} lost {MOST_TRIES} workers, the last with "
+            f"{ticket.name} lost {MOST_TRIES} workers, the last with "
             f"exit code {worker.process.exitcode}; wanted one that comes to its end: is there "
             "memory enough?"
         )

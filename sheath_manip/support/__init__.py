@@ -5,11 +5,11 @@ failures foreseen at a fifth of the failure-free windows disturbed (`sheath expe
 
     one-class-svm     .908  94 %  the default: keeps few vectors, fits to 200,000 states
     kernel-density    .909  94 %  up to some thousand states, nothing to fit
-    neighbors         .906  94 %  likewise
+    neighbors         .906  94 %  the same
     agreeing-svm      .908  94 %  where held-out policies mostly agree with the expert
-    loss-aware-svm    .897  95 %  likewise
+    loss-aware-svm    .897  95 %  the same
     reconstruction    .903  94 %  a score costs the same however many states
-    mahalanobis       .899  93 %  likewise and cheapest, where the states are one cloud
+    mahalanobis       .899  93 %  the same, and cheapest, where the states are one cloud
     distillation      .887  88 %  kept to compare; wants many states
     disagreement      .887  89 %  kept to compare
 """

@@ -75,7 +75,7 @@ class Mirror:
     features: tuple[float, ...]
     """(f,) 1 or -1: the sign that each feature takes on"""
     action: tuple[float, ...]
-    """(a,) likewise of each dimension of an action"""
+    """(a,) 1 or -1: the sign that each dimension of an action takes on"""
 
 
 @dataclass(frozen=True, eq=False)

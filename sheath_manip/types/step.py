@@ -53,7 +53,7 @@ class Reason(StrEnum):
     IDLE = "person idle"
     """a person has taken over and holds no device: the robot holds"""
     NO_ANSWER = "nobody answered"
-    """the wait for a person is over: whoever stands in for it acts"""
+    """the wait for a person is over: the fallback controller acts"""
     EMERGENCY_STOP = "emergency stop"
     """somebody stopped the robot, and nobody has reset it yet"""
 

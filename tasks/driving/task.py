@@ -126,7 +126,7 @@ class DrivingTask(SheathTask):
             ),
             cameras={"overhead": self._overhead.shape},
             feature_names=("x_m", "y_m", "heading_rad"),
-            # Weaving around traffic costs a few per cent; whoever needs 1.5 laps' time is lost.
+            # Weaving around traffic costs a few per cent; a car that needs 1.5 laps' time is lost.
             max_steps=int(1.5 * self.scenario.laps * lap_steps),
             metric="laps",
             plane=("x_m", "y_m"),

@@ -14,7 +14,7 @@ _LIFTED_M = 0.11
 def solvable(guide: GraspGuide, scene: Scene, start_rad: NDArray) -> bool:
     """Whether the arm, from (j,) `start_rad`, gets around the target of `scene` and lifts it.
 
-    Nothing moves but the arm, and what it holds: whoever passes never needs to touch the clutter.
+    Nothing moves but the arm, and what it holds: one that passes never needs to touch the clutter.
     """
     guide.begin(scene)
     positions = np.array([[each.x_m, each.y_m, 0.0] for each in scene.objects])

@@ -41,13 +41,13 @@ HORIZON_M = 12.0
 _JUMP_S = 0.02
 """what a pressed jump costs beside its time, so that nobody jumps for nothing"""
 _WALK_S = 0.03
-"""what an action without speed costs likewise: now a run and now a walk, for no reason that one
+"""what an action without speed costs as well: now a run and now a walk, for no reason that one
 could see, is hard to imitate"""
 _EDGE_M, _EDGE_S = 1.2, 0.06
 """how near to a gap the ground is avoided, and at what price: who jumps from the very edge is lost
 where the button comes a step late, as a policy's will"""
 _ENEMY_M, _ENEMY_S = 2.0, 0.06
-"""how near to an enemy ahead, likewise"""
+"""how near to an enemy ahead an action costs the same"""
 _WALL_M, _CLIMB_S = 1.0, 0.1
 """how near a wall is next, and the seconds that each metre of it takes which no jump under way
 will clear: without them a search at its foot tries all else before it goes up"""

@@ -54,6 +54,8 @@ def _halved(observation: Observation) -> Observation:
     return replace(observation, images={"above": observation.images["above"][::2, ::2].copy()})
 
 
+POLICY = ("--policy.name", "hog-svm")
+GATE = ("--gate.signal", "support", "--gate.embedding", "pixels")
 OTHERS = {
     slow: "control rate 25 Hz instead of 50 Hz",
     renamed: "features 'along_m' instead of 'y_m'",
@@ -98,7 +100,8 @@ def test_what_differs_is_refused_in_one_line(complaint, made, mixed, tmp_path, m
         "data", "export", store, tmp_path / "x.hdf5", "--format", "robomimic"
     )
     watch = ("dashboard", "corridor", "--checkpoint", made / "first.npz", "--port", 0)
-    assert told in complaint(*watch, "--store", store, "--episodes", 1)
+    # The demonstrations of the same names, but by the other corridor.
+    assert told in complaint(*watch, "--store", tmp_path / "other", "--episodes", 1)
     show = ("replay", store, "--episode", "-1", "--once", "--port", 0)
     assert told in complaint(*show)
 
@@ -114,8 +117,7 @@ def test_a_variant_is_trained_on_as_it_is(complaint, tmp_path) -> None:
     task = replace(CORRIDOR, variants={"default": Corridor, "other": stronger})
     tasks = {"corridor": task}
     store, checkpoint = str(tmp_path / "store"), str(tmp_path / "c.npz")
-    small = ["--policy.name", "hog-svm", "--gate.signal", "support"]
-    small += ["--gate.embedding", "pixels"]
+    small = [*POLICY, *GATE]
     for argv in (
         ["collect", "corridor", "--store", store, "--episodes", "5", "--variant", "other"],
         ["train", "corridor", "--store", store, "--checkpoint", checkpoint, *small],
@@ -131,7 +133,7 @@ def test_train_names_variants_and_failures(sheath, made, tmp_path) -> None:
     store = EpisodeStore(tmp_path / "store")
     options = ("--store", store.path, "--episodes", 1, "--variant", "final")
     assert sheath("collect", "corridor", *options)[0] == 0
-    small = ("--policy.name", "hog-svm", "--gate.signal", "support", "--gate.embedding", "pixels")
+    small = (*POLICY, *GATE)
     train = ("train", "corridor", "--store", store.path, "--checkpoint", tmp_path / "c.npz")
     code, out, _ = sheath(*train, *small)
     assert code == 0

@@ -16,8 +16,8 @@ from sheath_manip.experiments.gates.plan import PLANS
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.fitting import with_nu
-from sheath_manip.learning.training_data import trained_on
+from sheath_manip.learning.fitting import looks_of, with_nu
+from sheath_manip.learning.training_data import load_training_data
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.rollout import pacing
 from sheath_manip.rollout.loop import rollout
@@ -152,22 +152,23 @@ def test_dashboard_knows_what_the_checkpoint_was_trained_on(sheath, complaint, m
     assert sheath(*argv, made / "store")[0] == 0
     few = EpisodeStore.create(tmp_path / "few")
     few.copy_from(EpisodeStore(made / "store"), EpisodeStore(made / "store").names()[0])
-    assert "wanted at least 1 and 3" in complaint(*argv, few.path)
+    assert "lacks 7 of the 8 episodes that the checkpoint" in complaint(*argv, few.path)
 
 
 def test_nu_fits_the_support_anew(made):
     checkpoint = load_checkpoint(made / "first.npz", Corridor().spec)
-    seen = trained_on(EpisodeStore(made / "store"), checkpoint, Corridor().spec)
-    assert len(seen.calibration) == 3
-    states = seen.states
+    data = load_training_data(EpisodeStore(made / "store"), checkpoint, Corridor().spec)
+    assert len(data.calibration) == 3
+    fitted = checkpoint.fitted
+    looks = looks_of(fitted.policy, fitted.fitted_signal, data.states, data.calibration)
     inside = {}
     for nu in (0.05, 0.5):
-        fitted = with_nu(checkpoint, states, seen.calibration, nu)
-        assert fitted.signal_choice.hyperparameters["nu"] == nu
-        assert np.isfinite(fitted.threshold)
-        assert isinstance(fitted.signal, JoinedSignal)
-        support = fitted.signal.signals["support"]
-        inside[nu] = float((support.scores(states.images, states.features) >= 0).mean())
+        again = with_nu(fitted, looks, nu)
+        assert again.config.support.nu == nu
+        assert np.isfinite(again.threshold)
+        assert isinstance(again.signal, JoinedSignal)
+        support = again.signal.signals["support"]
+        inside[nu] = float((support.scores(support.measure(looks.states)) >= 0).mean())
     # nu bounds the share outside, so at least half stays inside.
     assert 0.5 <= inside[0.5] < inside[0.05]
     assert inside[0.05] >= 0.95

@@ -8,7 +8,7 @@ import pytest
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.protocols import Environment, Expert, Follows
 from sheath_manip.tasks.table import TASKS
-from sheath_manip.types import Outcome
+from sheath_manip.types import Observation, Outcome
 
 SEED = 77
 MEMBERS = [(task, name) for task in sorted(TASKS) for name in sorted(TASKS[task].fallbacks)]
@@ -31,12 +31,16 @@ def stand_in(member, environment) -> Expert:
     return TASKS[member[0]].make_expert(environment, member[1])
 
 
+def follow(stand_in: Expert, observation: Observation) -> None:
+    if isinstance(stand_in, Follows):
+        stand_in.follow(observation)
+
+
 def test_acting_alone_it_does_no_harm(environment, stand_in):
     observation = environment.reset(SEED)
     stand_in.reset()
     for _ in range(40):
-        if isinstance(stand_in, Follows):
-            stand_in.follow(observation)
+        follow(stand_in, observation)
         action = environment.spec.action.validated(stand_in.act(observation))
         assert action.dtype == np.float32
         observation = environment.step(action).observation
@@ -46,8 +50,7 @@ def test_acting_alone_it_does_no_harm(environment, stand_in):
 def test_looking_changes_nothing(environment, stand_in):
     observation = environment.reset(SEED)
     stand_in.reset()
-    if isinstance(stand_in, Follows):
-        stand_in.follow(observation)
+    follow(stand_in, observation)
     before = environment.state()
     first = stand_in.act(observation)
     np.testing.assert_array_equal(environment.state(), before)

@@ -11,7 +11,6 @@ from sheath_manip.dataset.card import card
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.compatibility import Alike, RecordedSpec, differences, remarks
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.header import header_of
 from sheath_manip.dataset.naming import episode_name, is_episode_name, split_session
@@ -203,7 +202,7 @@ class TestMixed:
     @pytest.mark.parametrize("form", ["replay-buffer", "robomimic", "minari"])
     def test_no_file_has_both(self, mixed: EpisodeStore, tmp_path: Path, form: str) -> None:
         with pytest.raises(StoreError, match="control rate 24 Hz instead of 10 Hz"):
-            export(mixed, tmp_path / "out" / "x", ExportFormat(form), Selection())
+            export(mixed, tmp_path / "out" / "x", form, Selection())
         assert not (tmp_path / "out" / "x").exists()
 
     def test_nothing_else_is_recorded_beside(self, mixed: EpisodeStore) -> None:

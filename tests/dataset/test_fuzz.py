@@ -16,7 +16,6 @@ from rich.console import Console
 from sheath_manip.dataset.card import card
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.mapped import mapped_samples
@@ -263,9 +262,9 @@ READERS: Mapping[str, Callable[[EpisodeStore, Path], Any]] = {
     "summaries": lambda store, _: store.infos(),
     "samples": lambda store, _: samples_from(store.episodes()),
     "mapped": lambda store, out: mapped_samples(store, store.names(), out),
-    "replay-buffer": lambda s, o: export(s, o / "x", ExportFormat.REPLAY_BUFFER, Selection()),
-    "robomimic": lambda s, o: export(s, o / "x", ExportFormat.ROBOMIMIC, Selection()),
-    "minari": lambda s, o: export(s, o / "x", ExportFormat.MINARI, Selection()),
+    "replay-buffer": lambda s, o: export(s, o / "x", "replay-buffer", Selection()),
+    "robomimic": lambda s, o: export(s, o / "x", "robomimic", Selection()),
+    "minari": lambda s, o: export(s, o / "x", "minari", Selection()),
     "split": lambda store, out: split(store, {"all": 1.0}, out, generator("split", 0)),
     "merge": lambda s, o: merge([s], EpisodeStore.create(o)) and EpisodeStore(o).read(s.names()[0]),
     "read": lambda store, _: store.read(store.names()[0]),

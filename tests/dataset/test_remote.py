@@ -13,7 +13,6 @@ from obstore.store import from_url
 from sheath_manip.dataset import remote
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.mapped import mapped_samples
@@ -71,7 +70,7 @@ def test_it_is_trained_on_and_exported_in_place(pushed, store, name, tmp_path: P
     mapped = mapped_samples(pushed, [name], tmp_path / "cache")
     assert mapped.labels.tobytes() == samples_from([store.read(name)]).labels.tobytes()
     for reader, target in ((pushed, "there.hdf5"), (store, "here.hdf5")):
-        export(reader, tmp_path / target, ExportFormat.ROBOMIMIC, Selection())
+        export(reader, tmp_path / target, "robomimic", Selection())
     assert (tmp_path / "there.hdf5").read_bytes() == (tmp_path / "here.hdf5").read_bytes()
 
 

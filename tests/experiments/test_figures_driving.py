@@ -1,29 +1,49 @@
-from dataclasses import dataclass, replace
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from PIL import Image
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures import NothingToShowError
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.signals import SignalChoice
 from sheath_manip.signals.support import SupportSignal
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.study import figures
 from sheath_manip.tasks.driving.study.figures import draw_support, gate_map, pose_scores, support
 from sheath_manip.tasks.driving.task import DrivingTask
 from sheath_manip.tasks.driving.track import Track
+from sheath_manip.types import Observations, Proposal
 
 
-@dataclass
+def grass(observations: Observations, proposal: Proposal) -> np.ndarray:
+    del proposal
+    middle = observations.images["overhead"][:, 55:70, 55:70].astype(float)
+    return (middle[..., 1] - middle[..., 2]).mean((1, 2))[:, None]
+
+
+class Idle:
+    """A policy that looks at nothing."""
+
+    def predict(self, observations: Observations) -> Proposal:
+        return Proposal(np.zeros((len(observations), 1), np.float32))
+
+    def surrogate_losses(self, proposal: Proposal, labels: np.ndarray) -> np.ndarray:
+        del labels
+        return np.zeros(len(proposal.actions), np.float32)
+
+
 class GreenEmbedding:
     """One number a picture: how much of what lies under the car is grass."""
 
-    def transform(self, images, features):  # noqa: ARG002
-        middle = images["overhead"][:, 55:70, 55:70].astype(float)
-        return (middle[..., 1] - middle[..., 2]).mean((1, 2))[:, None]
+    uses_displaced = False
+
+    def attach(self, policy):
+        del policy
+        return (grass,)
+
+    def transform(self, seen):
+        return seen.readings[grass]
 
 
 class OnTheRoad:
@@ -31,9 +51,6 @@ class OnTheRoad:
 
     def decision_function(self, X):
         return 15.0 - X[:, 0]
-
-
-CHOICE = SignalChoice("support", "green", "road", "green")
 
 
 @pytest.fixture(scope="module")
@@ -45,11 +62,10 @@ def environment():
 
 @pytest.fixture
 def checkpoint() -> Checkpoint:
-    part = SimpleNamespace()
-    return Checkpoint(
-        "driving", "none", part, CHOICE, SupportSignal(GreenEmbedding(), OnTheRoad()),  # type: ignore[arg-type]
-        0.0, 0.05, "sheath", 2, 0,
-    )  # fmt: skip
+    signal = SupportSignal(GreenEmbedding(), OnTheRoad())  # type: ignore[arg-type]
+    policy = Idle()
+    fitted = FittedGate(GateConfig(), policy, signal, threshold=0.0)  # type: ignore[arg-type]
+    return Checkpoint("driving", "none", policy, fitted, "sheath", 2)  # type: ignore[arg-type]
 
 
 def test_the_support_is_drawn_around_the_track(tmp_path):
@@ -90,7 +106,7 @@ def test_the_gates_map_is_drawn(environment, checkpoint, tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "ACROSS_STEPS", 7)
     store = EpisodeStore.create(tmp_path / "store")
     path = tmp_path / "gate_map.png"
-    gate_map(store, replace(checkpoint, threshold=1.0), environment, path)
+    gate_map(store, checkpoint.with_threshold(1.0), environment, path)
     with Image.open(path) as image:
         pixels = np.asarray(image.convert("RGB")).astype(int)
     assert ((pixels[..., 0] > 200) & (pixels[..., 2] < 100)).any()

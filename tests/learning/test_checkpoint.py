@@ -1,39 +1,69 @@
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sheath_manip.exceptions import CheckpointError
+from sheath_manip.exceptions import CheckpointError, ParameterError
+from sheath_manip.gates.config import GateConfig, planned_signal
+from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.human import HumanGate, Nobody
+from sheath_manip.gates.support import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.policies import make_policy
-from sheath_manip.signals import SignalChoice, make_signal
+from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.signals import make_signal
 from sheath_manip.signals.joined import JoinedSignal
-from sheath_manip.types import Observation, Reason
+from sheath_manip.support.config import SupportConfig
+from sheath_manip.types import Judgement, Observation, Proposal, Reason
+from sheath_manip.types.samples import Samples
 from tests import buttons
 from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
 from tests.feature_signal import FeatureSignal
+from tests.looks import fitted_signal, measures_of
 
-CHOICE = asdict(SignalChoice("support", "pixels", "one-class-svm", "pixels"))
+CONFIG = GateConfig(
+    signal="support",
+    embedding="pixels",
+    precedent_embedding="pixels",
+    support=SupportConfig(nu=0.1, bandwidth_factor=0.5),
+    release_margin=0.02,
+    quiet_steps=1,
+    minimum_hold_steps=3,
+    labels="own",
+)
+GATE = CONFIG.described()
+
+
+def fitted_to(
+    config: GateConfig, policy: TrainablePolicy, states: Samples, usual: Samples
+) -> FittedGate:
+    signal = fitted_signal(make_signal(planned_signal(config)), policy, states)
+    signal.calibrate([measures_of(signal, policy, usual)])
+    sources = Sources(("expert-0",), ("expert-1", "expert-2"))
+    return FittedGate(config, policy, signal, -0.01, 0.005, sources)
 
 
 def checkpoint_of(policy_name: str, embedding_name: str, signal: str = "support") -> Checkpoint:
     policy = fitted_policy(policy_name)
-    hyper = {"nu": 0.1, "bandwidth_factor": 0.5}
-    choice = SignalChoice(signal, embedding_name, "one-class-svm", embedding_name, hyper)
+    config = replace(
+        CONFIG, signal=signal, embedding=embedding_name, precedent_embedding=embedding_name
+    )
     return Checkpoint(
         task=SPEC.name,
         policy_name=policy_name,
         policy=policy,
-        signal_choice=choice,
-        signal=make_signal(choice).fit(policy, training()).calibrate([held_out()]),
-        threshold=-0.01,
-        false_alarm_rate=0.05,
+        fitted=fitted_to(config, policy, training(), held_out()),
         method="sheath",
         round=3,
         run_seed=1,
+        training_loss=0.25,
     )
+
+
+def judged(gate: FittedGate, observation: Observation) -> Judgement:
+    return gate.judge(observation, gate.policy.propose(observation.alone))
 
 
 @pytest.fixture(scope="module")
@@ -72,22 +102,51 @@ def test_what_is_loaded_is_what_was_saved(policy, embedding, signal, tmp_path):
     saved = checkpoint_of(policy, embedding, signal)
     loaded = load_checkpoint(saved.save(tmp_path / "round.npz"), SPEC)
     samples = held_out()
-    np.testing.assert_array_equal(loaded.scores(samples), saved.scores(samples))
+    np.testing.assert_array_equal(loaded.fitted.scores(samples), saved.fitted.scores(samples))
     np.testing.assert_array_equal(
-        loaded.policy.predict(samples.images, samples.features),
-        saved.policy.predict(samples.images, samples.features),
+        loaded.policy.propose(samples.observations).actions,
+        saved.policy.propose(samples.observations).actions,
     )
-    parts = {"policy": None, "signal": None}
+    parts = {"policy": None, "fitted": None}
     assert {**vars(loaded), **parts} == {**vars(saved), **parts}
+    parts = {"policy": None, "signal": None}
+    assert {**vars(loaded.fitted), **parts} == {**vars(saved.fitted), **parts}
+    assert loaded.fitted.policy is loaded.policy
 
 
 def test_one_score_is_that_of_the_batch(checkpoint):
     samples = held_out()
-    scores = checkpoint.scores(samples)
+    scores = checkpoint.fitted.scores(samples)
     for index in range(5):
-        score = checkpoint.score(observation_of(samples, index))
+        score = judged(checkpoint.fitted, observation_of(samples, index)).score
         assert isinstance(score, float)
         assert score == pytest.approx(scores[index], abs=1e-5)
+
+
+def test_its_gate_has_the_settings_that_it_was_trained_with(path):
+    gate = load_checkpoint(path, SPEC).gate()
+    assert isinstance(gate, SupportGate)
+    assert (gate.threshold, gate.query) == (-0.01, False)
+    # What was calibrated, and what is asked for on top.
+    assert gate.release_margin == pytest.approx(0.005 + 0.02)
+    assert (gate.quiet_steps, gate.minimum_hold_steps) == (1, 3)
+
+
+def test_where_a_schedule_or_a_person_decides_nothing_is_fitted_and_nothing_scores(
+    checkpoint, tmp_path
+):
+    for kind in ("expert", "mixture", "random-takeover", "human"):
+        config = replace(CONFIG, kind=kind)
+        saved = replace(checkpoint, fitted=FittedGate(config, checkpoint.policy))
+        loaded = load_checkpoint(saved.save(tmp_path / f"{kind}.npz"), SPEC)
+        assert loaded.fitted.signal is None
+        assert np.isnan(loaded.threshold)
+        loaded.gate()
+        with pytest.raises(ParameterError, match=f"kind '{kind}' looks at no signal"):
+            loaded.fitted.scores(held_out())
+    human = load_checkpoint(tmp_path / "human.npz", SPEC).gate()
+    assert isinstance(human, HumanGate)
+    assert isinstance(human.person, Nobody)
 
 
 def test_the_digest_is_that_of_the_content(checkpoint, path, tmp_path):
@@ -95,7 +154,7 @@ def test_the_digest_is_that_of_the_content(checkpoint, path, tmp_path):
     reloaded = load_checkpoint(path, SPEC).save(tmp_path / "reloaded.npz")
     assert digest(path) == digest(again) == digest(reloaded)
     assert len(digest(path)) == 16
-    other = replace(checkpoint, threshold=0.0).save(tmp_path / "other.npz")
+    other = checkpoint.with_threshold(0.0).save(tmp_path / "other.npz")
     assert digest(other) != digest(path)
     with pytest.raises(CheckpointError, match="cannot read"):
         digest(tmp_path / "missing.npz")
@@ -104,19 +163,20 @@ def test_the_digest_is_that_of_the_content(checkpoint, path, tmp_path):
 def test_binary_features_take_a_tenth_of_their_bytes(checkpoint, tmp_path):
     states = buttons.button_samples(2000, seed=0)
     policy = make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(states)
-    choice = SignalChoice("joined", "features", "one-class-svm", "features", {"nu": 0.5})
+    config = GateConfig(
+        embedding="features", precedent_embedding="features", support=SupportConfig(nu=0.5)
+    )
     saved = replace(
         checkpoint,
         task=buttons.SPEC.name,
         policy_name="linear-svm",
         policy=policy,
-        signal_choice=choice,
-        signal=make_signal(choice).fit(policy, states).calibrate([states]),
+        fitted=fitted_to(config, policy, states, states),
     )
     path = saved.save(tmp_path / "round.npz")
     assert path.stat().st_size < 0.1 * states.features.nbytes
     loaded = load_checkpoint(path, buttons.SPEC)
-    np.testing.assert_array_equal(loaded.scores(states), saved.scores(states))
+    np.testing.assert_array_equal(loaded.fitted.scores(states), saved.fitted.scores(states))
 
 
 def test_a_save_that_fails_leaves_the_old_file_and_no_litter(checkpoint, path, monkeypatch):
@@ -170,10 +230,13 @@ def test_missing_foreign_and_pickled_files(tmp_path):
         ({"schema": 99}, "has schema 99"),
         ({"task": "grasp"}, "trained on task 'grasp'"),
         ({"policy": {"name": "mlp", "hyper": {}}}, "unknown policy 'mlp'"),
-        ({"signal": CHOICE | {"embedding": "clip"}}, "unknown embedding 'clip'"),
-        ({"signal": CHOICE | {"support": "knn"}}, "unknown support estimator 'knn'"),
-        ({"signal": CHOICE | {"hyperparameters": {"mu": 1}}}, "broken"),
-        ({"signal": CHOICE | {"signal": "hunch"}}, "unknown signal 'hunch'"),
+        ({"gate": GATE | {"embedding": "clip"}}, "unknown embedding 'clip'"),
+        ({"gate": GATE | {"support": {"name": "knn"}}}, "unknown support estimator 'knn'"),
+        ({"gate": GATE | {"support": {"mu": 1}}}, "is no config of a gate"),
+        ({"gate": GATE | {"signal": "hunch"}}, "unknown signal 'hunch'"),
+        ({"gate": GATE | {"labels": "some"}}, "labels is 'some'; wanted all or own"),
+        ({"gate": GATE | {"mu": 1}}, "is no config of a gate"),
+        ({"sources": None}, "broken"),
         ({"policy": {}}, "broken"),
         ({"round": None}, "broken"),
     ],
@@ -192,18 +255,20 @@ def test_a_task_with_other_choices(path):
 
 def test_to_blame_is_the_signal_that_finds_a_state_rarest_however_often_it_counts(checkpoint):
     rng = np.random.default_rng(0)
-    usual = replace(held_out(), features=rng.normal(size=(2000, 2)).astype(np.float32), images={})
     signal = JoinedSignal(
-        {"support": FeatureSignal(0), "trust": FeatureSignal(1)},  # pyright: ignore[reportArgumentType]
+        {"support": FeatureSignal(0, Reason.OUTSIDE), "trust": FeatureSignal(1)},
         {"support": 1.0, "trust": 4.0},
-    ).calibrate([usual])
-    joined = replace(checkpoint, signal=signal)
+    )
+    # What it measures are the two features.
+    signal.calibrate([rng.normal(size=(2000, 2))])
+    joined = replace(checkpoint.fitted, signal=signal)
     for features, reason in (([-6.0, -2.0], Reason.OUTSIDE), ([0.0, -6.0], Reason.RISK)):
         observation = Observation({}, np.array(features, np.float32), 0.0)
-        assert joined.reason(observation) is reason
+        assert joined.judge(observation, Proposal(CHOICES[:1])).blames is reason
 
 
 def test_alone_a_support_says_outside_and_what_weighs_the_proposal_says_risk(checkpoint):
     observation = observation_of(held_out(), 0)
-    assert checkpoint.reason(observation) is Reason.OUTSIDE
-    assert checkpoint_of("hog-svm", "pixels", "trust").reason(observation) is Reason.RISK
+    assert judged(checkpoint.fitted, observation).blames is Reason.OUTSIDE
+    trust = checkpoint_of("hog-svm", "pixels", "trust").fitted
+    assert judged(trust, observation).blames is Reason.RISK

@@ -7,9 +7,10 @@ import pytest
 
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
-from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.learning.fitting import fit_gate
+from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.learning.fitting import fit_gate, recalibrated
 from sheath_manip.support.config import ThresholdConfig
+from sheath_manip.types.samples import Samples
 from tests.blobs import blob_samples, fitted_policy, training
 
 CONFIG = GateConfig(
@@ -22,15 +23,16 @@ def ruled(**values) -> GateConfig:
     return replace(CONFIG, threshold=replace(CONFIG.threshold, **values))
 
 
-def gate(config: GateConfig, **options) -> Checkpoint:
+SOURCES = Sources(("training",), tuple(f"held-out-{number}" for number in range(5)))
+
+
+def gate(config: GateConfig, **options) -> FittedGate:
     policy = fitted_policy("hog-svm")
-    return fit_gate(
-        policy, training(), CALIBRATION, config, "blobs", policy_name="hog-svm", **options
-    )
+    return fit_gate(policy, training(), CALIBRATION, config, sources=SOURCES, **options).gate
 
 
-def alarms(checkpoint: Checkpoint, samples) -> float:
-    return float(np.mean(checkpoint.scores(samples) < checkpoint.threshold))
+def alarms(fitted: FittedGate, samples: Samples) -> float:
+    return float(np.mean(fitted.scores(samples) < fitted.threshold))
 
 
 def test_the_threshold_keeps_the_asked_rate_of_held_out_steps():
@@ -62,3 +64,31 @@ def test_calibrated_once_the_threshold_stays():
 def test_an_unknown_rule_is_told():
     with pytest.raises(UnknownNameError, match=r"threshold rule 'guess'.*budget"):
         gate(ruled(rule="guess"))
+
+
+def test_what_was_looked_at_for_the_fit_is_kept_with_it():
+    policy = fitted_policy("hog-svm")
+    fit = fit_gate(policy, training(), CALIBRATION, CONFIG, sources=SOURCES)
+    assert fit.gate.sources == SOURCES
+    losses = policy.surrogate_losses(
+        policy.propose(training().observations), np.asarray(training().labels)
+    )
+    assert fit.training_loss == pytest.approx(float(np.mean(losses)))
+    again = np.concatenate([fit.gate.scores_of(seen) for seen in fit.looks.calibration])
+    apart = np.concatenate([fit.gate.scores(one) for one in CALIBRATION])
+    np.testing.assert_array_equal(again, apart)
+
+
+def test_found_again_the_threshold_is_the_same_and_a_budget_asks_what_was_met():
+    fitted = gate(ruled(rule="budget", expert_budget=0.3))
+    assert recalibrated(fitted, CALIBRATION).threshold == fitted.threshold
+    met = blob_samples(100, seed=20, choices=(2,))
+    assert alarms(recalibrated(fitted, CALIBRATION, met), met) == pytest.approx(0.3, abs=0.02)
+
+
+def test_the_expert_hands_back_at_the_release_rate():
+    fitted = gate(replace(CONFIG, release_rate=0.5))
+    scores = np.concatenate([fitted.scores(one) for one in CALIBRATION])
+    release = fitted.threshold + fitted.release_margin
+    assert np.mean(scores < release) == pytest.approx(0.5, abs=0.03)
+    assert gate(CONFIG).release_margin == 0

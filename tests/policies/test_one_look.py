@@ -9,6 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from sheath_manip.gates import SupportGate
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.policies.looking import look, look_to_fit, seen_in
 from sheath_manip.policies.network import ConvNetwork
 from sheath_manip.policies.spatial_network import SpatialNetwork
@@ -28,7 +30,6 @@ from sheath_manip.types import (
 )
 from sheath_manip.types.samples import Samples
 from tests import blobs, line, reach
-from tests.judging import BySignal
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,7 @@ def test_in_a_control_step(looking, passes):
     measures = signal.measure(look(looking.policy, states, signal.attach(looking.policy)))
     # Half of the steps are outside, so that expert and policy take turns.
     threshold = float(np.median(signal.scores(measures)))
-    gate = SupportGate(BySignal(signal, looking.policy), threshold)
+    gate = SupportGate(FittedGate(GateConfig(), looking.policy, signal), threshold)
     environment = Shown(looking.spec, states)
     info = EpisodeInfo(looking.spec.name, 0, Purpose.LEARNING, looking.spec.control_rate_hz)
     passes.clear()

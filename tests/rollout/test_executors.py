@@ -6,6 +6,7 @@ import random
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 from sheath_manip.types import EpisodeInfo, Purpose
 from tests.toy import CORRIDOR
-from tests.waiting import DEADLINE_S
+from tests.waiting import DEADLINE_S, eventually
 
 STEPS_HZ = 50.0
 
@@ -32,7 +33,7 @@ def requests(count: int, driver: Driver | None = None) -> list[EpisodeRequest]:
         EpisodeInfo("corridor", 100 + index, Purpose.DEMONSTRATION, STEPS_HZ, "expert", index=index)
         for index in range(count)
     ]
-    return [EpisodeRequest(CORRIDOR, "default", info, driver or ExpertAlone()) for info in infos]
+    return [EpisodeRequest(CORRIDOR, info, driver or ExpertAlone()) for info in infos]
 
 
 def digest(store: EpisodeStore) -> str:
@@ -58,7 +59,9 @@ def serial(tmp_path_factory) -> str:
     return digest(store)
 
 
-@pytest.mark.parametrize("workers", [1, 2, 4])
+@pytest.mark.parametrize(
+    "workers", [2, *(pytest.param(count, marks=pytest.mark.soak) for count in (1, 4))]
+)
 def test_so_many_processes_give_the_same_bytes_in_any_order(tmp_path, serial, workers):
     store = EpisodeStore.create(tmp_path)
     shuffled = random.Random(workers).sample(requests(6), 6)
@@ -79,9 +82,15 @@ def test_what_the_store_has_is_read_and_not_run_again(tmp_path, serial):
     assert digest(store) == serial
 
 
-def test_without_a_store_episodes_come_without_images():
-    with ProcessExecutor(1) as executor:
-        (episode,) = executor.map(requests(1))
+@pytest.fixture(scope="module")
+def two() -> Iterator[ProcessExecutor]:
+    """Two processes for all tests that do not end them: each takes seconds to start."""
+    with ProcessExecutor(2) as executor:
+        yield executor
+
+
+def test_without_a_store_episodes_come_without_images(two):
+    (episode,) = two.map(requests(1))
     assert not episode.steps[0].observation.images
     assert episode.steps[0].observation.features.shape == (2,)
 
@@ -137,17 +146,39 @@ class Failing:
         raise ZeroDivisionError(f"at {self.at_index}")
 
 
-def test_an_error_in_a_worker_is_told_in_one_line(tmp_path):
-    with (
-        ProcessExecutor(1) as executor,
-        pytest.raises(WorkerError, match=r"^ZeroDivisionError: at 7$"),
-    ):
-        list(executor.map(requests(1, Failing(7)), EpisodeStore.create(tmp_path)))
+def test_an_error_in_a_worker_is_told_in_one_line(two, tmp_path):
+    with pytest.raises(WorkerError, match=r"^ZeroDivisionError: at 7$"):
+        list(two.map(requests(1, Failing(7)), EpisodeStore.create(tmp_path)))
 
 
 def test_an_episode_that_kills_every_worker_is_given_up():
     with ProcessExecutor(1) as executor, pytest.raises(WorkerError, match=r"lost 3 workers.*-9"):
         list(executor.map(requests(1, Failing(deadly=True))))
+
+
+def test_what_cannot_be_pickled_is_told_and_the_next_is_run(two):
+    def unnamed(environment):
+        return CORRIDOR.expert(environment)
+
+    (request,) = requests(1)
+    unsendable = replace(request, task=replace(CORRIDOR, expert=unnamed))
+    with pytest.raises(WorkerError, match=r"cannot be sent to a worker.*unnamed.*wanted a dr"):
+        list(two.map([unsendable]))
+    assert len(list(two.map([request]))) == 1
+
+
+def test_closed_in_the_midst_whoever_waits_is_told(tmp_path):
+    executor = ProcessExecutor(1)
+
+    def close_once_it_runs() -> None:
+        eventually(lambda: any(tmp_path.iterdir()))
+        executor.close()
+
+    closing = threading.Thread(target=close_once_it_runs)
+    closing.start()
+    with pytest.raises(WorkerError, match="the executor was closed"):
+        list(executor.map(requests(2, Slow(tmp_path))))
+    closing.join()
 
 
 def test_closing_ends_the_workers_and_nothing_more_is_taken():
@@ -164,17 +195,15 @@ def test_closing_ends_the_workers_and_nothing_more_is_taken():
     executor.close()
 
 
-def test_several_threads_may_ask_at_once(tmp_path):
+def test_several_threads_may_ask_at_once(two, tmp_path):
     stores = [EpisodeStore.create(tmp_path / name) for name in ("one", "two")]
-    with ProcessExecutor(2) as executor:
-        threads = [
-            threading.Thread(target=lambda at=at: list(executor.map(requests(3), at)))
-            for at in stores
-        ]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+    threads = [
+        threading.Thread(target=lambda at=at: list(two.map(requests(3), at))) for at in stores
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
     assert digest(stores[0]) == digest(stores[1])
 
 

@@ -2,17 +2,19 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pytest
 
-from sheath_manip.gates import AlwaysExpert, SupportGate
-from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.gates import AlwaysExpert
+from sheath_manip.gates.config import planned_signal
+from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.making import make_gate
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import IMAGE_EMBEDDINGS, POLICIES, make_embedding
 from sheath_manip.policies.cnn import ConvPolicy
+from sheath_manip.protocols import Reader, TrainablePolicy
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.signals import make_signal
 from sheath_manip.signals.support import SupportSignal
@@ -20,8 +22,18 @@ from sheath_manip.support import make_support
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.expert import DrivingExpert
 from sheath_manip.tasks.driving.task import DrivingTask, Scenario
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Outcome, Purpose, Reason
+from sheath_manip.types import (
+    Actor,
+    Episode,
+    EpisodeInfo,
+    Observation,
+    Outcome,
+    Purpose,
+    Reason,
+)
 from sheath_manip.types.samples import Samples, samples_from
+from sheath_manip.types.seen import Seen
+from tests.looks import fitted_embedding, vectors_of
 
 DEMONSTRATIONS, CALIBRATION = 3, 3
 FALSE_ALARM_RATE = 0.1
@@ -44,9 +56,10 @@ class Drive:
         self.held_out = [samples_from([lap]) for lap in laps[DEMONSTRATIONS:]]
         self.policy = ConvPolicy(self.task.spec, (8, 16), (32,), epochs=8, seed=0)
         self.policy.fit(self.states)
-        self.checkpoint = fit_gate(
-            self.policy, self.states, self.held_out, PLAN.gate, "driving", policy_name="small-cnn"
+        fit = fit_gate(
+            self.policy, self.states, self.held_out, PLAN.gate, sources=Sources(("lap",), ())
         )
+        self.fitted = fit.gate
 
     def lap(self, gate, seed: int) -> Episode:
         return rollout(
@@ -68,23 +81,27 @@ def drive():
         drive.environment.close()
 
 
-def vectors(checkpoint: Checkpoint, samples: Samples) -> np.ndarray:
-    assert isinstance(checkpoint.signal, SupportSignal)
-    return checkpoint.signal.embedding.transform(samples.images, samples.features)
+def vectors(fitted: FittedGate, samples: Samples) -> np.ndarray:
+    assert isinstance(fitted.signal, SupportSignal)
+    return vectors_of(fitted.signal.embedding, fitted.policy, samples)
+
+
+def score_of(fitted: FittedGate, observation: Observation) -> float:
+    return fitted.judge(observation, fitted.policy.propose(observation.alone)).score
 
 
 @pytest.mark.parametrize("nu", [0.01, 0.05, 0.2, 0.5])
 @pytest.mark.parametrize("embedding", sorted(IMAGE_EMBEDDINGS))
 def test_at_most_nu_of_the_training_states_lie_outside(embedding, nu, drive):
-    fitted = make_embedding(embedding).fit(drive.policy, drive.states)
-    points = fitted.transform(drive.states.images, drive.states.features)
+    fitted = fitted_embedding(make_embedding(embedding), drive.policy, drive.states)
+    points = vectors_of(fitted, drive.policy, drive.states)
     scores = make_support(PLAN.gate.support.name, nu=nu).fit(points).decision_function(points)
     assert (scores >= 0).mean() >= 1 - nu - 0.01
 
 
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 def test_so_it_is_with_other_bandwidths(factor, drive):
-    points = vectors(drive.checkpoint, drive.states)
+    points = vectors(drive.fitted, drive.states)
     for nu in (0.05, 0.5):
         support = make_support(PLAN.gate.support.name, nu=nu, bandwidth_factor=factor).fit(points)
         assert (support.decision_function(points) >= 0).mean() >= 1 - nu - 0.01
@@ -92,8 +109,7 @@ def test_so_it_is_with_other_bandwidths(factor, drive):
 
 def test_the_threshold_is_met_by_the_steps_that_it_was_calibrated_on(drive):
     alarms = [
-        np.mean(~(drive.checkpoint.scores(lap) >= drive.checkpoint.threshold))
-        for lap in drive.held_out
+        np.mean(~(drive.fitted.scores(lap) >= drive.fitted.threshold)) for lap in drive.held_out
     ]
     assert np.mean(alarms) == pytest.approx(FALSE_ALARM_RATE, abs=0.02)
 
@@ -109,7 +125,7 @@ def test_off_the_road_lies_further_outside_than_on_it(drive):
             pose = track.pose(s, np.array(lateral_m)) + np.array([0, 0, turned_rad])
             drive.task.place(physics, pose)
             physics.forward()
-            scores.append(drive.checkpoint.score(drive.environment.observe()))
+            scores.append(score_of(drive.fitted, drive.environment.observe()))
         return float(np.median(scores))
 
     middle = score(0.0, 0.0)
@@ -120,9 +136,14 @@ def test_off_the_road_lies_further_outside_than_on_it(drive):
 class Blind:
     """An embedding that sees nothing."""
 
-    def transform(self, images: Any, features: Any) -> np.ndarray:
-        del images
-        return np.full((len(features), 8), np.nan, np.float32)
+    uses_displaced = False
+
+    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+        del policy
+        return ()
+
+    def transform(self, seen: Seen) -> np.ndarray:
+        return np.full((len(seen), 8), np.nan, np.float32)
 
 
 def test_without_a_score_the_expert_drives(drive):
@@ -130,8 +151,8 @@ def test_without_a_score_the_expert_drives(drive):
         np.random.default_rng(0).normal(size=(50, 8))
     )
     signal = SupportSignal(Blind(), support)  # pyright: ignore[reportArgumentType]
-    blind = replace(drive.checkpoint, signal=signal)
-    episode = drive.lap(SupportGate(blind.score, blind.threshold), seed=20)
+    blind = replace(drive.fitted, signal=signal)
+    episode = drive.lap(make_gate(blind), seed=20)
     assert episode.outcome is Outcome.SUCCESS
     assert {step.decision.actor for step in episode.steps} == {Actor.EXPERT}
     assert {step.decision.reason for step in episode.steps} == {Reason.NO_SCORE}
@@ -146,19 +167,20 @@ def test_a_network_of_nan_leaves_the_wheel_to_the_expert(drive):
         for key, array in drive.policy.arrays().items()
     }
     broken = ConvPolicy(drive.task.spec, (8, 16), (32,)).load(arrays)
-    signal = make_signal(drive.checkpoint.signal_choice)
-    signal.load(broken, drive.checkpoint.signal.arrays())
-    checkpoint = replace(drive.checkpoint, policy=broken, signal=signal)
+    signal = make_signal(planned_signal(drive.fitted.config))
+    signal.attach(broken)
+    signal.load(drive.fitted.fitted_signal.arrays())
+    fitted = replace(drive.fitted, policy=broken, signal=signal)
     seen = drive.environment.reset(3)
-    assert np.isnan(checkpoint.score(seen))
-    decision = SupportGate(checkpoint.score, checkpoint.threshold).decide(seen, broken.act(seen))
+    assert np.isnan(score_of(fitted, seen))
+    decision = make_gate(fitted).decide(seen, broken.propose(seen.alone))
     assert (decision.actor, decision.reason) == (Actor.EXPERT, Reason.NO_SCORE)
 
 
 def test_under_the_gate_both_drive_and_the_scores_decide(drive):
     # As many inside as outside, whatever so small a network has learned.
-    threshold = float(np.median(np.concatenate([*map(drive.checkpoint.scores, drive.held_out)])))
-    episode = drive.lap(SupportGate(drive.checkpoint.score, threshold), seed=30)
+    threshold = float(np.median(np.concatenate([*map(drive.fitted.scores, drive.held_out)])))
+    episode = drive.lap(make_gate(replace(drive.fitted, threshold=threshold)), seed=30)
     actors = [step.decision.actor for step in episode.steps]
     assert set(actors) == {Actor.EXPERT, Actor.POLICY}
     for step in episode.steps:

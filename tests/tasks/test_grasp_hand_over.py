@@ -23,6 +23,8 @@ from sheath_manip.types import (
     EpisodeInfo,
     GateDecision,
     Observation,
+    Observations,
+    Proposal,
     Purpose,
     Reason,
 )
@@ -45,25 +47,33 @@ class Turns:
         del rng
         self.count = 0
 
-    def decide(self, observation: Observation, proposed: Action | None) -> GateDecision:
-        del observation, proposed
+    def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
+        del observation, proposal
         actor = (Actor.POLICY, Actor.EXPERT)[self.count // self.steps % 2]
         self.count += 1
         return GateDecision(actor, False, Reason.FIXED)
 
 
 class Opponent:
-    """Wants one thing at full speed, and for a while another."""
+    """Wants one thing at full speed, and for a while another: a policy, or an expert."""
 
     def __init__(self, sign: float) -> None:
         self.sign = sign
         self.steps = 0
 
-    def reset(self) -> None:
+    def reset(self, rng: np.random.Generator | None = None) -> None:
+        del rng
         self.steps = 0
+
+    def propose(self, observations: Observations) -> Proposal:
+        del observations
+        return Proposal(self._wish()[None])
 
     def act(self, observation: Observation) -> Action:
         del observation
+        return self._wish()
+
+    def _wish(self) -> Action:
         self.steps += 1
         way = np.array([1, 1, 1, -1, 1, 1, 0]) if self.steps % 40 < 30 else -np.ones(7)
         return (self.sign * way).astype(np.float32)
@@ -107,7 +117,7 @@ def contested(environment, steps: int, listeners=()) -> Episode:
         INFO,
         Turns(steps),
         rng=np.random.default_rng(0),
-        policy=Opponent(1.0),  # pyright: ignore[reportArgumentType]
+        policy=Opponent(1.0),
         expert=Opponent(-1.0),
         listeners=listeners,
     )

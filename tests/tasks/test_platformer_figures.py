@@ -12,13 +12,23 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import NothingToShowError
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.gates import AlwaysExpert
+from sheath_manip.protocols import Expert
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.tasks.platformer.entry import PLATFORMER, make_stage_of
 from sheath_manip.tasks.platformer.expert import PlatformerExpert
 from sheath_manip.tasks.platformer.stage import LEAD_TILES
 from sheath_manip.tasks.platformer.study.figures import before_a_gap, scene
 from sheath_manip.tasks.platformer.task import PlatformerTask
-from sheath_manip.types import Actor, EpisodeInfo, GateDecision, Purpose, Reason
+from sheath_manip.types import (
+    Actor,
+    EpisodeInfo,
+    GateDecision,
+    Observation,
+    Observations,
+    Proposal,
+    Purpose,
+    Reason,
+)
 
 
 def players_column(picture: np.ndarray) -> float:
@@ -58,6 +68,20 @@ def test_a_demonstration_is_shown_in_the_middle_and_its_frames_from_its_states(t
         assert players_column(frame) == pytest.approx(1 / 3, 0.1)
 
 
+class Copycat:
+    """A policy that does what an expert would do."""
+
+    def __init__(self, expert: Expert) -> None:
+        self.expert = expert
+
+    def reset(self, rng: np.random.Generator) -> None:
+        del rng
+
+    def propose(self, observations: Observations) -> Proposal:
+        observation = Observation({}, observations.features[0], 0.0)
+        return Proposal(self.expert.act(observation)[None])
+
+
 class AtTheFirst:
     """A gate that gives the expert one second: from where `column` is 2 tiles ahead."""
 
@@ -68,8 +92,8 @@ class AtTheFirst:
         del rng
         self.left = 24
 
-    def decide(self, observation, proposed) -> GateDecision:
-        del observation, proposed
+    def decide(self, observation, proposal) -> GateDecision:
+        del observation, proposal
         near = floor(self.environment.task.moment.x) + LEAD_TILES >= self.column - 2
         acts = near and self.left > 0
         self.left -= acts
@@ -93,7 +117,7 @@ def test_a_film_of_a_takeover_before_a_gap_wants_a_gap(tmp_path):
             EpisodeInfo("platformer", 5, Purpose.LEARNING, 24.0, "sheath", 1, run_seed=3),
             AtTheFirst(environment, column),
             rng=np.random.default_rng(0),
-            policy=SimpleNamespace(act=expert.act),  # type: ignore[arg-type]
+            policy=Copycat(expert),
             expert=expert,
             listeners=[Recorder(store)],
         )

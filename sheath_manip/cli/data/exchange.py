@@ -9,7 +9,6 @@ from rich.text import Text
 
 from sheath_manip.cli.options import StoreAddress
 from sheath_manip.cli.session import Session
-from sheath_manip.dataset.exchange.formats import ExportFormat, ImportFormat
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import EpisodeInfo, Outcome, Purpose
@@ -27,8 +26,8 @@ class ExportStore:
     out: FilePath
     """what to write, where nothing may be yet: for replay-buffer a directory or a .zarr.zip, for
     robomimic an .hdf5 file, else a directory"""
-    format: Annotated[ExportFormat, ByValue]
-    """of which tool"""
+    format: str
+    """of which tool: replay-buffer, robomimic, lerobot, minari, or that of an installed package"""
     successes: bool = False
     """only episodes that succeeded"""
     expert_steps: bool = False
@@ -69,8 +68,8 @@ class ImportStore:
     """a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
     store: StoreAddress
     """directory for the episodes; made where there is none"""
-    format: Annotated[ImportFormat, ByValue]
-    """of which tool"""
+    format: str
+    """of which tool: replay-buffer, robomimic, or that of an installed package"""
     keys: tuple[str, ...] = ()
     """what the file's keys mean: images/CAMERA=KEY, features=KEY,KEY,..., action=KEY, reward=KEY,
     state=KEY; in robomimic's files an observation is obs/NAME"""
@@ -85,11 +84,12 @@ class ImportStore:
 
     def run(self, session: Session) -> int:
         """Append them, then print how many."""
+        from sheath_manip.dataset.exchange.formats import open_file
         from sheath_manip.dataset.exchange.importing import import_episodes
         from sheath_manip.dataset.store import EpisodeStore
 
         origin = self._origin()
-        file = self.format.open(self.file)
+        file = open_file(self.format, self.file)
         store = EpisodeStore.create(self.store)
         with session.err.status("importing"):
             done = import_episodes(file, store, origin)

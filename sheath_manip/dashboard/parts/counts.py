@@ -1,4 +1,4 @@
-"""Which episode runs, and how much of the acting fell to whom so far."""
+"""Which episode runs, and who acted how much so far."""
 
 from collections.abc import Callable, Mapping
 from html import escape

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sheath_manip.dataset.compatibility import RecordedSpec, remarks
 from sheath_manip.dataset.durable import publish, publish_file
-from sheath_manip.dataset.exchange.formats import ExportFormat
+from sheath_manip.dataset.exchange.formats import writer_of
 from sheath_manip.dataset.exchange.selection import Selection, selected
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
@@ -30,19 +30,19 @@ class Exported:
 def export(
     reader: EpisodeReader,
     target: Path,
-    format: ExportFormat,
+    format: str,
     selection: Selection,
     report: Callable[[str], None] = lambda _: None,
 ) -> Exported:
     """Write what `selection` takes of `reader` to `target`, where nothing may be yet.
 
-    `report` is told the outcome of each episode. Raises StoreError where `target` exists or cannot
-    be written, where an episode is damaged or does not fit the others, and where nothing is
-    selected; then nothing is there.
+    `format` is a name in FORMATS; `report` is told the outcome of each episode. Raises StoreError
+    where `target` exists or cannot be written, where an episode is damaged or does not fit the
+    others, and where nothing is selected; then nothing is there.
     """
     if target.exists():
         raise StoreError(f"{target} exists, and it is kept; give a path where nothing is")
-    write, headers = format.writer(), list[Header]()
+    write, headers = writer_of(format), list[Header]()
 
     def counted(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
         for recorded in episodes:

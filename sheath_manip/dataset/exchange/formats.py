@@ -1,14 +1,15 @@
 """The formats that are known here, each imported only when it is asked for."""
 
 from collections.abc import Callable, Iterable, Iterator
-from enum import StrEnum
-from importlib import import_module
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Protocol
 
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track
 from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.registry import Registry
 
 Writer = Callable[[Path, Iterable[Recorded], ActionChoice], None]
 """Writes episodes to a path where nothing is; raises StoreError where the format has no place."""
@@ -29,32 +30,50 @@ class ForeignFile(Protocol):
         ...
 
 
-class ExportFormat(StrEnum):
-    """What can be written."""
+@dataclass(frozen=True)
+class Format:
+    """What can be done with another tool's files."""
 
-    REPLAY_BUFFER = "replay-buffer"
-    ROBOMIMIC = "robomimic"
-    LEROBOT = "lerobot"
-    MINARI = "minari"
-
-    def writer(self) -> Writer:
-        """Raises SetupError where the format's package is not installed."""
-        name = self.value.replace("-", "_")
-        return import_module(f"sheath_manip.dataset.exchange.{name}").write
+    write: Writer | None = None
+    """None where nothing is written for it"""
+    open: Callable[[Path], ForeignFile] | None = None
+    """from the path, StoreError where it is no such file; None where nothing is read of it"""
 
 
-class ImportFormat(StrEnum):
-    """What can be read."""
+_HERE = "sheath_manip.dataset.exchange"
 
-    REPLAY_BUFFER = "replay-buffer"
-    ROBOMIMIC = "robomimic"
+FORMATS: Registry[Format] = Registry(
+    "format",
+    "sheath.formats",
+    {
+        "replay-buffer": f"{_HERE}.replay_buffer:FORMAT",
+        "robomimic": f"{_HERE}.robomimic:FORMAT",
+        "lerobot": f"{_HERE}.lerobot:FORMAT",
+        "minari": f"{_HERE}.minari:FORMAT",
+    },
+    of=Format,
+)
 
-    def open(self, path: Path) -> ForeignFile:
-        """Raises StoreError where `path` is no such file, SetupError as `ExportFormat.writer`."""
-        if self is ImportFormat.REPLAY_BUFFER:
-            from sheath_manip.dataset.exchange.replay_buffer import ReplayBufferFile
 
-            return ReplayBufferFile(path)
-        from sheath_manip.dataset.exchange.robomimic import RobomimicFile
+def writer_of(name: str) -> Writer:
+    """Return what writes the format.
 
-        return RobomimicFile(path)
+    Raises UnknownNameError, ParameterError where nothing is written for it, and SetupError where
+    its package is not installed.
+    """
+    write = FORMATS[name].write
+    if write is None:
+        raise ParameterError(f"nothing is written as {name}; wanted a format such as robomimic")
+    return write
+
+
+def open_file(name: str, path: Path) -> ForeignFile:
+    """Open another tool's file at `path`.
+
+    Raises UnknownNameError, ParameterError where nothing is read of the format, StoreError where
+    `path` is no such file, and SetupError where the format's package is not installed.
+    """
+    opened = FORMATS[name].open
+    if opened is None:
+        raise ParameterError(f"nothing is read of {name}; wanted a format such as robomimic")
+    return opened(path)

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.extras import needs
@@ -114,3 +115,6 @@ def _feature(value: NDArray) -> Mapping[str, Any]:
 def _frames(columns: Mapping[str, NDArray]) -> Iterator[dict[str, NDArray]]:
     for t in range(len(columns["action"])):
         yield {name: values[t] for name, values in columns.items()}
+
+
+FORMAT = Format(write)

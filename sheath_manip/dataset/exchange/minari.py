@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.replay_buffer import flat
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.uniform import uniform
@@ -113,3 +114,6 @@ def _observed(recorded: Recorded) -> dict[str, NDArray]:
 def _with_final(recorded: Recorded, path: str) -> NDArray:
     final = np.asarray(recorded.arrays[f"final/{path}"])
     return np.concatenate([recorded.arrays[path], final[None]])
+
+
+FORMAT = Format(write)

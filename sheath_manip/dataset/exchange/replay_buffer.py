@@ -28,6 +28,7 @@ from numcodecs import Zstd
 from numpy.typing import NDArray
 from zarr.storage import LocalStore, ZipStore
 
+from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
@@ -226,3 +227,6 @@ class ReplayBufferFile:
         if not isinstance(array, zarr.Array):
             raise StoreError(f"{self.path}: {group}/{key} is no array")
         return array
+
+
+FORMAT = Format(write, ReplayBufferFile)

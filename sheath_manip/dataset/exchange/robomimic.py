@@ -22,6 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import compatible
@@ -176,3 +177,6 @@ def _number(demo: str) -> tuple[int, str]:
     """robomimic counts demo_0, demo_1, …; anything else comes after."""
     digits = demo.rpartition("_")[2]
     return (int(digits) if digits.isdigit() else 10**9, demo)
+
+
+FORMAT = Format(write, RobomimicFile)

@@ -15,7 +15,7 @@ from PIL import Image
 WIDTH_PX = 1600
 DPI = 160
 
-# Okabe and Ito, whom colour-blind readers can tell apart; the marker says it a second time.
+# Okabe and Ito, which colour-blind readers can tell apart; the marker says it a second time.
 BLUE, VERMILLION, ORANGE, GREEN, PURPLE, SKY = (
     "#0072B2",
     "#D55E00",

@@ -25,7 +25,7 @@ class GatesPlan:
     embeddings: tuple[str, ...] | None = None
     """beside the default; all of the table where None"""
     supports: tuple[str, ...] | None = None
-    """likewise"""
+    """beside the default; all of the table where None, as with embeddings"""
     displaced_every: int = 6
     """steps of a new expert episode, between the states that are displaced"""
     displaced_episodes: int = 12
@@ -51,9 +51,9 @@ class GatesPlan:
     held_out: int = 20
     """scenes on which the policy that learned under a main row's gate is judged"""
     other_episodes: int = 4
-    """likewise for the rest of the grid, which with 0 takes no part in the loop"""
+    """episodes for the rest of the grid, which with 0 takes no part in the loop"""
     other_held_out: int = 0
-    """likewise for the rest of the grid; with 0 no policy learns there"""
+    """held-out scenes for the rest of the grid; with 0 no policy learns there"""
 
     def in_loop(self, main: bool) -> bool:
         """Whether a row takes part in the loop that is a main one, or belongs to the rest."""

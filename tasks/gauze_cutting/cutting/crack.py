@@ -26,7 +26,7 @@ _ASIDE = 0.6
 _RIM_FIRST = 0.25
 """nearer a vertex of the rim counts: a bridge that is narrower than the mesh is cut through"""
 _ASIDE_IN_CUT = 0.25
-"""likewise, if the way to it is cut already"""
+"""the same, if the way to it is cut already"""
 _LOST = 2.5
 """of trail that no vertex could follow"""
 _SPACING = 0.1

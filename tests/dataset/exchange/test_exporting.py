@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SheathError, StoreError
@@ -33,7 +32,7 @@ def test_an_interruption_leaves_nothing(two, tmp_path: Path, form, target) -> No
     out = tmp_path / "out"
     out.mkdir()
     with pytest.raises(KeyboardInterrupt):
-        export(two, out / target, ExportFormat(form), Selection(), interrupt)
+        export(two, out / target, form, Selection(), interrupt)
     assert list(out.iterdir()) == []
 
 
@@ -41,7 +40,7 @@ def test_an_interruption_leaves_nothing(two, tmp_path: Path, form, target) -> No
 def test_what_is_there_is_kept(two, tmp_path: Path, form, target) -> None:
     (tmp_path / target).write_text("mine")
     with pytest.raises(StoreError, match="exists, and it is kept"):
-        export(two, tmp_path / target, ExportFormat(form), Selection())
+        export(two, tmp_path / target, form, Selection())
     assert (tmp_path / target).read_text() == "mine"
 
 
@@ -49,7 +48,7 @@ def test_what_is_there_is_kept(two, tmp_path: Path, form, target) -> None:
 def test_a_damaged_episode_leaves_nothing(two, tmp_path: Path, form, target) -> None:
     (two.path / two.names()[1] / "executed" / "c.0.0").unlink()
     with pytest.raises(StoreError, match="executed has 0 of 1 chunks"):
-        export(two, tmp_path / "out" / target, ExportFormat(form), Selection())
+        export(two, tmp_path / "out" / target, form, Selection())
     assert not (tmp_path / "out" / target).exists()
     assert list((tmp_path / "out").iterdir()) == []
 
@@ -58,13 +57,13 @@ def test_a_damaged_episode_leaves_nothing(two, tmp_path: Path, form, target) -> 
 def test_episodes_of_other_shapes_are_refused(two, tmp_path: Path, form) -> None:
     two.append(episode_of("p", info=replace(INFO, index=2), side_px=5))
     with pytest.raises(SheathError, match="top 5x5 instead of top 4x4: a file"):
-        export(two, tmp_path / "out", ExportFormat(form), Selection())
+        export(two, tmp_path / "out", form, Selection())
     assert not (tmp_path / "out").exists()
 
 
 def test_minari_loads_it_with_all_observations(two, tmp_path: Path, monkeypatch) -> None:
     minari = pytest.importorskip("minari")
-    export(two, tmp_path / "demos-v0", ExportFormat.MINARI, Selection())
+    export(two, tmp_path / "demos-v0", "minari", Selection())
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     dataset = minari.load_dataset("demos-v0")
     assert (dataset.total_episodes, dataset.total_steps) == (2, 4)

@@ -12,7 +12,7 @@ import pytest
 import zarr
 
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat, ImportFormat
+from sheath_manip.dataset.exchange.formats import open_file
 from sheath_manip.dataset.exchange.importing import import_episodes
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.store import EpisodeStore
@@ -118,7 +118,7 @@ def exported(specs, tmp_path_factory) -> Path:
     for episode in of_task(specs["corridor"], seed=2, longest=6):
         store.append(episode)
     for form, target in {(form, target) for form, target, _ in CASES}:
-        export(store, folder / target, ExportFormat(form), Selection())
+        export(store, folder / target, form, Selection())
     return folder
 
 
@@ -131,7 +131,7 @@ def test_a_damaged_export(exported: Path, tmp_path: Path, number: int) -> None:
     sound, back = EpisodeStore(exported / "store"), EpisodeStore.create(tmp_path / "back")
     said = "-"
     try:
-        import_episodes(ImportFormat(form).open(path), back, None)
+        import_episodes(open_file(form, path), back, None)
     except SheathError as error:
         said = str(error)
     assert len(said.splitlines()) == 1

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
-from sheath_manip.dataset.exchange.formats import ExportFormat, ImportFormat
+from sheath_manip.dataset.exchange.formats import open_file
 from sheath_manip.dataset.exchange.importing import import_episodes
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
 from sheath_manip.dataset.header import to_attributes
@@ -48,10 +48,10 @@ def test_export_import_export_is_the_identity(specs, task, target, seed) -> None
         for episode in of_task(specs[task], seed):
             store.append(episode)
         first, second = folder / "first" / target, folder / "second" / target
-        export(store, first, ExportFormat(FORMATS[target]), Selection())
+        export(store, first, FORMATS[target], Selection())
         back = EpisodeStore.create(folder / "back")
-        import_episodes(ImportFormat(FORMATS[target]).open(first), back, None)
-        export(back, second, ExportFormat(FORMATS[target]), Selection())
+        import_episodes(open_file(FORMATS[target], first), back, None)
+        export(back, second, FORMATS[target], Selection())
         assert bytes_of(first) == bytes_of(second)
         assert back.names() == store.names()
         for episode in store.names():
@@ -67,10 +67,10 @@ def test_what_was_selected_comes_back_too(specs, tmp_path, target) -> None:
         store.append(episode)
     selection = Selection(expert_steps=True, action=ActionChoice.LABELLED)
     form = FORMATS[target]
-    done = export(store, tmp_path / "1" / target, ExportFormat(form), selection)
+    done = export(store, tmp_path / "1" / target, form, selection)
     back = EpisodeStore.create(tmp_path / "back")
-    import_episodes(ImportFormat(form).open(tmp_path / "1" / target), back, None)
+    import_episodes(open_file(form, tmp_path / "1" / target), back, None)
     assert len(back.names()) == done.episodes > 4
     # All that is left is by the expert and labelled, so that the same selection takes all of it.
-    assert export(back, tmp_path / "2" / target, ExportFormat(form), selection) == done
+    assert export(back, tmp_path / "2" / target, form, selection) == done
     assert bytes_of(tmp_path / "1" / target) == bytes_of(tmp_path / "2" / target)
