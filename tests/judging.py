@@ -13,7 +13,7 @@ class ByObservation:
     score: Callable[[Observation], float]
     blames: Reason = Reason.OUTSIDE
 
-    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+    def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
         del proposal
         return Judgement(self.score(observation), self.blames)
 
