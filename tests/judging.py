@@ -14,7 +14,7 @@ class ByObservation:
     blames: Reason = Reason.OUTSIDE
 
     def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
-        del proposal
+        del proposal, threshold
         return Judgement(self.score(observation), self.blames)
 
 

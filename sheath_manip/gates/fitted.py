@@ -60,9 +60,9 @@ class FittedGate:
         measures = signal.measure(seen_in(observation, proposal, self.readers))
         score = float(signal.scores(measures)[0])
         # What is to blame takes as long as the score, and is of no interest above the threshold.
-        return (
-            Judgement(score, signal.blames(measures[0])) if score < threshold else Judgement(score)
-        )
+        if score >= threshold:
+            return Judgement(score)
+        return Judgement(score, signal.blames(measures[0]))
 
     def scores_of(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) the scores of states as the policy saw them."""

@@ -210,6 +210,7 @@ def test_what_is_judged_is_the_proposal_itself_and_once_a_step(gate):
         def judge(
             self, observation: Observation, proposal: Proposal, threshold: float
         ) -> Judgement:
+            del threshold
             judged.append((observation, proposal))
             return Judgement(-1.0, Reason.RISK)
 

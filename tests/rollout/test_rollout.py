@@ -438,6 +438,7 @@ class Remembering:
         self.judged: list[tuple[Observation, Action]] = []
 
     def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
+        del threshold
         self.judged.append((observation, proposal.now[0]))
         return Judgement(float(proposal.now[0, 0]))
 
