@@ -31,7 +31,7 @@ class Plan(Generic[S]):
 
 @dataclass(frozen=True)
 class AStar(Generic[S]):
-    """What to search in, and how hard. Costs and estimates share one unit."""
+    """A search problem: what to search in, and how hard. Costs and estimates share one unit."""
 
     actions: int
     """how many there are; a state's successors are made in their order"""

@@ -56,7 +56,7 @@ class BackUp:
         self.trail.pass_through(self._tool_pose())
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
-        """(a,) towards the last waypoint."""
+        """Return the (a,) action towards the last waypoint."""
         action = self._rest()
         here = self._tool_pose()
         goal = self.trail.before(here)

@@ -1,4 +1,4 @@
-"""From a wish to open or close to the target of a gripper's servo."""
+"""Turns a wish to open or close into the target of a gripper's servo."""
 
 from dataclasses import dataclass
 

@@ -24,7 +24,10 @@ class Guard:
 
 
 class GuardedTwist:
-    """What of a twist the obstacles leave. They are the mocap bodies of the control's model."""
+    """The part of a twist that obstacles leave.
+
+    They are the mocap bodies of the control's model.
+    """
 
     def __init__(self, control: TwistControl, guards: Sequence[Guard]) -> None:
         self.control = control

@@ -13,7 +13,7 @@ class Hold:
         self._rest = rest
 
     def reset(self) -> None:
-        """There is nothing to forget."""
+        """Do nothing: there is nothing to forget."""
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
         """(a,) the action that changes nothing."""

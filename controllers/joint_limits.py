@@ -12,7 +12,7 @@ from sheath_manip.exceptions import ParameterError
 
 @dataclass(frozen=True, eq=False)
 class JointLimits:
-    """Range, speed, acceleration and jerk by joint, all (j,) and symmetric but the range."""
+    """Limits: range, speed, acceleration, jerk by joint, all (j,) and symmetric but the range."""
 
     lower_rad: NDArray[np.float64]
     upper_rad: NDArray[np.float64]

@@ -14,7 +14,7 @@ Distance = Callable[[NDArray[np.float64]], float]
 
 @dataclass(frozen=True)
 class SpeedCap:
-    """Slow within `near_m`, free beyond `far_m`, and linear in between."""
+    """A speed cap: slow within `near_m`, free beyond `far_m`, and linear in between."""
 
     distance_m: Distance
     name: str = "speed near clutter"

@@ -1,4 +1,4 @@
-"""From a twist of the tool to joint targets, by differential inverse kinematics (mink)."""
+"""Turns a twist of the tool into joint targets, by differential inverse kinematics (mink)."""
 
 from collections.abc import Mapping, Sequence
 from ctypes import c_int

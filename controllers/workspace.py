@@ -76,7 +76,7 @@ class Workspace:
         return [(self._name(first), self._name(second)) for first, second in self._pairs]
 
     def tool_position_m(self, positions_rad: NDArray) -> NDArray[np.float64]:
-        """(3,) of the tool, world frame, with the joints at (j,) `positions_rad`."""
+        """Return (3,) where the tool is, world frame, with the joints at (j,) `positions_rad`."""
         self._data.qpos[:] = positions_rad
         mujoco.mj_kinematics(self._model, self._data)
         return self._data.site_xpos[self._site].copy()

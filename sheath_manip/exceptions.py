@@ -47,7 +47,7 @@ class SetupError(SheathError):
 
 
 class UnattendedError(SheathError):
-    """Nobody is left to say what a simulation that cannot hold shall do after a stop or a loss."""
+    """Nobody can say what a simulation that cannot hold shall do after a stop or a loss."""
 
 
 class UnscoredError(ParameterError):

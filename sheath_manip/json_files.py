@@ -22,7 +22,7 @@ def write_json(path: Path, content: Any) -> None:
 
 
 def plain(value: Any) -> Any:
-    """As it will be when read back from JSON, which knows neither tuples nor NaN."""
+    """Return a value as it will be when read back from JSON, which knows neither tuples nor NaN."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

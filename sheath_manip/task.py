@@ -16,7 +16,7 @@ SCRIPTED = "scripted"
 
 @dataclass(frozen=True)
 class Task:
-    """How to make a task and who can act in it. Everything in it can be pickled.
+    """A task: how to make it and who can act in it. Everything in it can be pickled.
 
     What is learned on it, and what is told about that, is a study's
     (`sheath_manip.experiments.study`).

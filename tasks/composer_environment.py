@@ -1,4 +1,4 @@
-"""From a dm_control composer task to the core's `Environment`: one adapter for all tasks."""
+"""One adapter for all tasks, from dm_control's composer to the core's `Environment`."""
 
 from abc import abstractmethod
 from collections import OrderedDict
@@ -36,7 +36,7 @@ _STATE = (
 
 
 class SheathTask(composer.Task):
-    """What a composer task adds to be learned under a gate.
+    """A composer task with what it adds to be learned under a gate.
 
     Of its `task_observables` those that are enabled are seen. Those named after a camera of its
     `spec` are images; all others are joined, in order, to the features.
@@ -49,7 +49,7 @@ class SheathTask(composer.Task):
 
     @property
     def observables(self) -> OrderedDict:
-        """None for composer: its buffers and delays cost more than a look at the features does."""
+        """None, for composer: its buffers and delays cost more than a look at the features does."""
         return OrderedDict()
 
     @abstractmethod
@@ -73,15 +73,15 @@ class SheathTask(composer.Task):
         return None
 
     def surfaces(self, physics: mjcf.Physics) -> tuple[Surface, ...]:  # noqa: ARG002
-        """What deforms, as it is now; always as many."""
+        """Return what deforms, as it is now; always as many surfaces."""
         return ()
 
     def lines(self, physics: mjcf.Physics) -> tuple[Line, ...]:  # noqa: ARG002
-        """What viewers draw into the scene; always as many."""
+        """Return what viewers draw into the scene; always as many lines."""
         return ()
 
     def commanded(self) -> Commanded | None:
-        """What became of the last action; None where no command filter lies in its way."""
+        """Return what became of the last action; None where no command filter lies in its way."""
         return None
 
     # The library's own type says that it always returns False.
@@ -141,7 +141,7 @@ class ComposerEnvironment:
         )
 
     def outcome(self) -> Outcome:
-        """How the episode stands."""
+        """Return how the episode stands."""
         return self.task.outcome()
 
     def metrics(self) -> Mapping[str, float]:
@@ -161,7 +161,7 @@ class ComposerEnvironment:
         return self.observe()
 
     def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
-        """How the scene stood in `state`, at which the episode then stands."""
+        """Return how the scene stood in `state`, at which the episode then stands."""
         self._take(state)
         return self.pose()
 
@@ -186,7 +186,7 @@ class ComposerEnvironment:
         return scene_geoms(self.physics.model.ptr)
 
     def pose(self) -> ScenePose:
-        """How the scene stands now."""
+        """Return how the scene stands now."""
         physics = self.physics
         data = physics.data.ptr
         # Pairs within their margin are listed, too, before they touch.

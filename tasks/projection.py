@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def px_of_horizontal_plane(camera: Any, side_px: int, height_m: float) -> NDArray[np.float64]:
-    """(3, 3) from (x, y, 1) at that height, world frame, to (column, row, 1) up to a factor.
+    """Return (3, 3) from (x, y, 1) at that height, world frame, to (column, row, 1) up to scale.
 
     `camera` is an MJCF element of the world with `pos`, `xyaxes` and `fovy`; its image is square.
     MuJoCo's cameras look along their -z, with x to the right and y upwards.

@@ -30,14 +30,14 @@ class PyramidCamera:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(height, width) in pixels of what `__call__` returns."""
+        """The (height, width) in pixels of what `__call__` returns."""
         size = self._size_px
         for _ in range(self._levels):
             size = (size + 1) // 2
         return size, size
 
     def __call__(self, physics: engine.Physics) -> NDArray[np.uint8]:
-        """(h, w, 3) RGB."""
+        """Return a picture, (h, w, 3) RGB."""
         if self._camera is None or self._model is not physics.model.ptr:
             self._model = physics.model.ptr
             self._camera = engine.Camera(

@@ -19,7 +19,7 @@ _VISIBLE_GROUPS = (0, 1, 2)
 
 
 def scene_geoms(model: mujoco.MjModel) -> list[SceneGeom]:
-    """All opaque geoms of the groups that MuJoCo draws by default."""
+    """Return all opaque geoms of the groups that MuJoCo draws by default."""
     geoms = []
     for index in range(model.ngeom):
         shape = _SHAPES.get(mujoco.mjtGeom(model.geom_type[index]))

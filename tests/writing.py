@@ -20,8 +20,8 @@ class WriterHere:
     def __init__(self, path: Path) -> None:
         self._store = EpisodeStore(path)
 
-    def adopt(self, recorded: Recorded) -> None:
-        self._store.adopt(recorded)
+    def append_arrays(self, recorded: Recorded) -> None:
+        self._store.append_arrays(recorded)
 
     def close(self) -> None:
         pass

@@ -172,7 +172,7 @@ def record_for_ever(path: Path, run: int) -> None:
 
     def record(index: int) -> str:
         info = synthetic_info(run, index)
-        writer.adopt(recorded_of(synthetic_episode(info)))
+        writer.append_arrays(recorded_of(synthetic_episode(info)))
         return episode_name(info)
 
     # After the first one, when everything is imported.

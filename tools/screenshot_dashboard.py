@@ -33,7 +33,7 @@ from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
@@ -186,8 +186,8 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
             spec = workplace.environment(task, "default", 0).spec
             subject = subject_of(task, options, spec, folder)
             adjusting = subject.adjusting
-            parts = () if adjusting is None else adjusting.parts
-            with Dashboard(spec, port=0, gate=parts) as dashboard:
+            widgets = () if adjusting is None else adjusting.widgets
+            with Dashboard(spec, port=0, gate=widgets) as dashboard:
                 shown.set_result(dashboard)
                 if adjusting is not None and adjusting.states is not None:
                     dashboard.on_fit(adjusting.states)
@@ -230,7 +230,7 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
 
     def drive() -> None:
         with (
-            operating.crew(task, Address(port=0), session, adjusting.parts) as crew,
+            operating.crew(task, Address(port=0), session, adjusting.widgets) as crew,
             SerialExecutor() as executor,
         ):
             addresses.append(crew.page.address)
@@ -275,12 +275,12 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
 
 def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
-    shelf = Shelf(EpisodeStore(folder / "recorded"))
+    catalog = EpisodeCatalog(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()
 
     def play() -> None:
-        maker, last = FilmMaker(task, None, shelf.read, shelf.summary), len(shelf) - 1
-        with Replay(maker.spec(last), shelf, maker.film, maker.exported, port=0) as replay:
+        maker, last = FilmMaker(task, None, catalog.read, catalog.summary), len(catalog) - 1
+        with Replay(maker.spec(last), catalog, maker.film, maker.exported, port=0) as replay:
             shown.set_result(replay)
             replay.run(last)
         maker.close()

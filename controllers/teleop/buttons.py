@@ -14,7 +14,7 @@ STICK = 0.5
 
 @dataclass(frozen=True)
 class Button:
-    """What presses it."""
+    """A button, and what presses it."""
 
     key: str
     """`KeyboardEvent.code`"""
@@ -25,7 +25,7 @@ class Button:
     """-1 or 1: which way of a gamepad's left stick, left or right"""
 
     def pressed(self, given: Given) -> bool:
-        """Whether it is."""
+        """Return whether the button is pressed."""
         if self.key in given.keys:
             return True
         pad = given.pad
@@ -51,9 +51,9 @@ class ButtonHands:
         self.guide = tuple(Binding((button.key,), button.says) for button in buttons.values())
 
     def action(self, given: Given) -> Action:
-        """(a,) of what is pressed."""
+        """Return the (a,) action of the buttons that are pressed."""
         pressed = (name for name, button in self._buttons.items() if button.pressed(given))
         return np.asarray(self._action_of(frozenset(pressed)), np.float32)
 
     def tool_pose(self) -> None:
-        """There is nothing to drag."""
+        """Return None: there is nothing to drag."""

@@ -11,7 +11,7 @@ from sheath_manip.types.operator_input import Given
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What a device says now."""
+    """The motion that a device asks for now."""
 
     twist: NDArray[np.float64]
     """(6,) velocity and angular velocity of the tool, world frame, shares -1..1 of the fastest"""
@@ -25,7 +25,7 @@ class Device(Protocol):
     """Reads one device out of all that a person's devices say."""
 
     def motion(self, given: Given) -> Motion:
-        """What it says; of any input, since the page may send anything."""
+        """Return what the device says; of any input, since the page may send anything."""
         ...
 
 

@@ -35,7 +35,7 @@ class Gizmo:
 
 
 def transform_of(pose: NDArray) -> NDArray[np.float64]:
-    """(4, 4) of (7,) position and wxyz quaternion, which need not be a unit."""
+    """Return the (4, 4) of (7,) position and wxyz quaternion, which need not be a unit."""
     rotation, quaternion = np.zeros(9), np.array(pose[3:], np.float64)
     mujoco.mju_normalize4(quaternion)
     mujoco.mju_quat2Mat(rotation, quaternion)

@@ -12,7 +12,10 @@ from sheath_manip.types.operator_input import Given
 
 
 class PlanarHands:
-    """Of what a device asks for, the way along the plane; depth and tilt are the task's own."""
+    """Takes the way along the plane from what devices ask for.
+
+    Depth and tilt are the task's own.
+    """
 
     dead_man = True
     planar = True

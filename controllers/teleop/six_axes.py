@@ -8,7 +8,7 @@ class SixAxesDevice:
     """The cap springs back to its middle, which lets go of the dead-man."""
 
     def motion(self, given: Given) -> Motion:
-        """As the cap is pushed and turned."""
+        """Return the motion as the cap is pushed and turned."""
         axes = given.axes
         if axes is None:
             return NOTHING

@@ -29,7 +29,7 @@ class Together:
         )
 
     def motion(self, given: Given) -> Motion:
-        """The sum of those that are held, finite and within the shares."""
+        """Return the sum of the devices that are held, finite and within the shares."""
         motions = (device.motion(given) for device in self.devices)
         held = [motion for motion in motions if motion.dead_man]
         twist = sum((motion.twist for motion in held), np.zeros(6))

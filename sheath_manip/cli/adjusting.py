@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.dashboard.part import Maker
-from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
+from sheath_manip.dashboard.widget import WidgetFactory
+from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
 from sheath_manip.gates.fitted import FittedGate
@@ -43,10 +43,10 @@ class Adjusting:
     """What a run and its page need."""
 
     driver: AdjustedPolicy
-    parts: tuple[Maker, ...]
-    """of the page"""
+    widgets: tuple[WidgetFactory, ...]
+    """Factories of the page's further widgets."""
     states: Samples | None
-    """that the checkpoint was fitted to, where they are known"""
+    """States that the checkpoint was fitted to, where they are known."""
 
 
 def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:
@@ -73,15 +73,15 @@ def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None, spec: TaskS
         else looks_of(fitted.policy, fitted.signal, data.states, data.calibration)
     )
     dial = Dial(_boundary(fitted, looks))
-    parts: tuple[Maker, ...] = (partial(ThresholdSlider, dial=dial),)
+    widgets: tuple[WidgetFactory, ...] = (partial(ThresholdSlider, dial=dial),)
     config = fitted.config
     if looks is not None and config.support_has_nu:
 
         def refit(nu: float) -> Boundary:
             return _boundary(with_nu(fitted, looks, nu), looks)
 
-        parts = (*parts, partial(NuSlider, dial=dial, refit=refit, nu=config.support.nu))
-    return Adjusting(AdjustedPolicy(path, dial), parts, None if data is None else data.states)
+        widgets = (*widgets, partial(NuSlider, dial=dial, refit=refit, nu=config.support.nu))
+    return Adjusting(AdjustedPolicy(path, dial), widgets, None if data is None else data.states)
 
 
 def _boundary(fitted: FittedGate, looks: Looks | None) -> Boundary:

@@ -12,12 +12,12 @@ from sheath_manip.exceptions import UnknownNameError
 
 @dataclass(frozen=True)
 class Asked:
-    """What the line asks of a benchmark."""
+    """The line's options: what it asks of a benchmark."""
 
     size: str
     """`full` or `quick`"""
     seeds: tuple[int, ...] | None
-    """of the training runs; the plan's where None"""
+    """Seeds of the training runs, the plan's where None."""
     workers: int
     runs: Path
     results: Path

@@ -22,11 +22,11 @@ class Collect:
     store: Path
     """directory for the episodes; made where there is none"""
     episodes: int = 20
-    """how many the store shall hold"""
+    """number of episodes that the store shall hold"""
     seed: int = 0
-    """from which the scenes follow"""
+    """seed from which the scenes follow"""
     variant: str = "default"
-    """of the task"""
+    """variant of the task"""
     workers: int = 0
     """worker processes that run the episodes; with 0 they run in this one"""
     dashboard: bool = False

@@ -136,7 +136,7 @@ def check_python() -> Finding:
 
 
 def check_versions() -> list[Finding]:
-    """What is installed against the ranges that pyproject.toml names.
+    """Compare what is installed with the ranges that pyproject.toml names.
 
     Without the simulator of the house's own tasks only the core is looked at.
     """
@@ -234,7 +234,7 @@ def render_time_ms(backend: str) -> float | str:
 
 
 def check_port(port: int = PORT) -> Finding:
-    """Whether the dashboard's own port is free on the loopback address."""
+    """Check whether the dashboard's own port is free on the loopback address."""
     if _is_free(port):
         return Finding("port", True, f"{HOST}:{port} is free")
     free = next((other for other in range(port + 1, port + 100) if _is_free(other)), None)
@@ -264,7 +264,7 @@ def check_disk(folder: Path) -> Finding:
 
 
 def check_threads() -> Finding:
-    """Whether torch starts no more threads than there are cores."""
+    """Check whether torch starts no more threads than there are cores."""
     cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
     start_s = time.perf_counter()
     try:

@@ -67,7 +67,7 @@ def run_all(
 
 
 def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Session) -> None:
-    """One line an episode."""
+    """Print one line an episode."""
     table = Table(box=None, pad_edge=False)
     table.add_column("scene seed", justify="right")
     table.add_column("outcome")

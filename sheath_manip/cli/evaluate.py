@@ -18,9 +18,9 @@ class Evaluate:
     checkpoint: Path
     """file of the policy, as `sheath train` and `sheath experiment` write it"""
     episodes: int = 20
-    """how many scenes"""
+    """number of scenes"""
     variant: str = "default"
-    """of the task"""
+    """variant of the task"""
     scenes: str = Comparison.held_out_set
     """name of the set of scenes; tune on another than you report"""
     workers: int = 0

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
 from sheath_manip.cli.comparing import Comparing
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, spec_of
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, default_is, spec_of
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session, Verb
 from sheath_manip.exceptions import ParameterError, UnknownNameError
@@ -22,8 +22,8 @@ class Benchmark(Comparing):
     Stopped anywhere and called again, it goes on where it was.
     """
 
-    seeds: tuple[int, ...] | None = None
-    """of the training runs; the plan's by default"""
+    seeds: Annotated[tuple[int, ...] | None, default_is("from the plan")] = None
+    """seeds of the training runs"""
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
@@ -50,8 +50,8 @@ class Experiment(Comparing, Planned):
     gate: GateConfig = field(default_factory=GateConfig)
     schedule: Annotated[Schedule, WITHOUT_PREFIX] = field(default_factory=Schedule)
     comparison: Annotated[Comparison, WITHOUT_PREFIX] = field(default_factory=Comparison)
-    figures: tuple[str, ...] | None = None
-    """file names of the figures to draw; all by default"""
+    figures: Annotated[tuple[str, ...] | None, default_is("all")] = None
+    """file names of the figures to draw"""
     dashboard: bool = False
     """show the run in the browser, and run all in this process"""
     hold: bool = False
@@ -65,7 +65,7 @@ class Experiment(Comparing, Planned):
 
     @classmethod
     def settings(cls, plan: LearningPlan) -> dict[str, Any]:
-        """All of `plan`."""
+        """Return the settings, which are all of `plan`."""
         return {name: getattr(plan, name) for name in ("policy", "gate", "schedule", "comparison")}
 
     def run(self, session: Session) -> int:
@@ -107,7 +107,7 @@ class Experiment(Comparing, Planned):
         return 0
 
     def processes(self) -> int:
-        """How many workers; none but this process with a page."""
+        """Return the number of workers; none but this process with a page."""
         workers = super().processes()
         if not self.dashboard:
             return workers

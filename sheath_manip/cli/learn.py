@@ -38,14 +38,14 @@ class Learn(Planned):
     runs: Path
     """directory for the store, the checkpoints and what each round showed"""
     expert: str = SCRIPTED
-    """scripted, or a person at the page"""
+    """expert to learn from: scripted, or a person at the page"""
     demonstrator: str = SCRIPTED
     """who gives the first demonstrations, and the held-out ones for the threshold: scripted, or a
     person as well"""
     method: str = "sheath-own-labels"
-    """name, as `sheath tasks` lists it; with hg-dagger only the person says when it drives"""
+    """method, as `sheath tasks` lists it; with hg-dagger only the person says when it drives"""
     plan: str = "full"
-    """the settings, as `sheath tasks` lists them"""
+    """name of the plan of settings, as `sheath tasks` lists it"""
     policy: PolicyConfig = field(default_factory=PolicyConfig)
     gate: GateConfig = field(default_factory=GateConfig)
     schedule: Annotated[Schedule, WITHOUT_PREFIX] = field(default_factory=Schedule)
@@ -54,7 +54,7 @@ class Learn(Planned):
     final_episodes: int = Comparison.final_episodes
     """scenes on which the last policy is judged"""
     seed: int = 0
-    """of the training run"""
+    """seed of the training run"""
     workers: int = 0
     """worker processes that run the episodes; with 0 they run in this one"""
     dashboard: bool = False
@@ -69,7 +69,7 @@ class Learn(Planned):
 
     @classmethod
     def settings(cls, plan: LearningPlan) -> dict[str, Any]:
-        """What `plan` says of policy, gate, rounds and scenes."""
+        """Return what `plan` says of policy, gate, rounds and scenes."""
         return {
             "policy": plan.policy,
             "gate": plan.gate,

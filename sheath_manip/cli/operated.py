@@ -20,26 +20,26 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.cockpit.driver import OperatedDriver
     from sheath_manip.dashboard import Dashboard
-    from sheath_manip.dashboard.part import Maker
+    from sheath_manip.dashboard.widget import WidgetFactory
     from sheath_manip.rollout.request import Driver
 
 PERSON = "person"
-"""the name of a person among a task's experts"""
+"""Name of a person among a task's experts."""
 HOLD = "hold"
 """the fallback controller that leaves the robot where it is"""
 
 
 @dataclass(frozen=True)
 class Operating:
-    """How a person operates; only with a person as the expert."""
+    """Options on how a person operates; only with a person as the expert."""
 
     fallback: str = SCRIPTED
-    """who acts where a person is asked and does not come: the scripted expert, or a fallback
-    controller that the task has, such as hold or back-up"""
+    """controller that acts if no operator takes over within --wait-s: the scripted expert, or a
+    fallback that the task has, such as hold or back-up"""
     wait_s: float = WAIT_S
-    """for the person, before the fallback acts"""
+    """seconds to wait for the person before the fallback acts"""
     speed: float = 1.0
-    """1 is the task's control rate; the page's slider multiplies it"""
+    """speed of the run: 1 is the task's control rate; the page's slider multiplies it"""
     spacemouse: bool = False
     """read the SpaceMouse that is plugged in here"""
 
@@ -57,7 +57,7 @@ class Operating:
         task: Task,
         address: Address,
         session: Session,
-        gate: "tuple[Maker, ...]" = (),
+        gate: "tuple[WidgetFactory, ...]" = (),
     ) -> Iterator["Crew"]:
         """The page with its controls, and the parts of a run that go with it.
 
@@ -107,7 +107,7 @@ class Crew:
         return replace(
             task,
             expert=partial(_made_inside, task.expert),
-            stand_ins={name: partial(_made_inside, make) for name, make in task.stand_ins.items()},
+            fallbacks={name: partial(_made_inside, make) for name, make in task.fallbacks.items()},
             variants={name: partial(self._made, make) for name, make in task.variants.items()},
             run_variants={
                 name: partial(self._made, make) for name, make in task.run_variants.items()

@@ -4,7 +4,7 @@ import ipaddress
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -15,7 +15,7 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.cockpit import Cockpit
     from sheath_manip.dashboard import Dashboard
-    from sheath_manip.dashboard.part import Maker
+    from sheath_manip.dashboard.widget import WidgetFactory
 
 NOT_LOOPBACK = (
     "Other machines can reach this page. They need the token of the address below, which travels "
@@ -30,15 +30,20 @@ WITHOUT_PREFIX = tyro.conf.arg(name="")
 """of options that are grouped in the program but not on the line"""
 
 
+def default_is(words: str) -> Any:
+    """Return a mark of an option by which its help names its effective default, not None."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {words})")
+
+
 @dataclass(frozen=True)
 class Address:
     """Where the dashboard listens."""
 
     host: str = "127.0.0.1"
-    """address to listen on; other machines reach the page only where it is not the loopback's, and
-    then should do so through TLS"""
+    """address of the page to listen on; other machines reach the page only where it is not the
+    loopback's, and then should do so through TLS"""
     port: int = 8080
-    """0 takes any free one"""
+    """port of the page; 0 takes any free one"""
 
     @contextmanager
     def dashboard(
@@ -46,7 +51,7 @@ class Address:
         spec: TaskSpec,
         session: Session,
         cockpit: "Cockpit | None" = None,
-        gate: "tuple[Maker, ...]" = (),
+        gate: "tuple[WidgetFactory, ...]" = (),
     ) -> Iterator["Dashboard"]:
         """The page, its address printed; taken down at the end. Raises SetupError (port taken).
 
@@ -88,7 +93,7 @@ def is_loopback(host: str) -> bool:
 
 
 def spec_of(task: Task) -> TaskSpec:
-    """What the page must know before there is a run."""
+    """Return what the page must know before there is a run."""
     environment = task.make()
     environment.close()
     return environment.spec

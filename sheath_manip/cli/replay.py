@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from rich.text import Text
 
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.task import Task
 
 if TYPE_CHECKING:
-    from sheath_manip.dashboard.shelf import Shelf
+    from sheath_manip.dashboard.catalog import EpisodeCatalog
     from sheath_manip.playback.making import FilmMaker
 
 KINDS = (".mp4", ".html")
@@ -27,14 +27,15 @@ class Replay:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     episode: str = "0"
-    """to begin with: name, or place in `sheath data list`, from 0; -1 is the last"""
+    """episode to begin with: its name, or its place in `sheath data list`, from 0; -1 is the
+    last"""
     speed: float = 1.0
-    """1 is the episode's control rate, 2 twice as fast"""
-    variant: str | None = None
-    """of the task that old episodes were recorded in, which do not say theirs"""
+    """speed of the replay: 1 is the episode's control rate, 2 twice as fast"""
+    variant: Annotated[str | None, default_is("the one that the episode says")] = None
+    """variant of the task in which old episodes were recorded that do not say theirs"""
     once: bool = False
-    """end after the first time"""
-    export: Path | None = None
+    """end after the episodes were shown once"""
+    export: Annotated[Path | None, default_is("a page is shown")] = None
     """write the episode to this .mp4 or .html file, and show no page"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
@@ -47,26 +48,26 @@ class Replay:
                 f"--export {self.export}; wanted a name that ends in .mp4 or .html"
             )
         # Only now: other verbs need no store and no page.
-        from sheath_manip.dashboard.shelf import Shelf
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dashboard.catalog import EpisodeCatalog
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.show import chosen
 
-        store = open_place(self.store)
+        store = open_store(self.store)
         place = store.names().index(chosen(store, self.episode))
-        shelf = Shelf(store)
-        task = session.task(shelf.summaries[place].info.task)
-        with self._maker(task, shelf) as maker:
+        catalog = EpisodeCatalog(store)
+        task = session.task(catalog.summaries[place].info.task)
+        with self._maker(task, catalog) as maker:
             if self.export is not None:
                 self._export(maker, place, session)
             else:
-                self._show(maker, shelf, place, session)
+                self._show(maker, catalog, place, session)
         return 0
 
     @contextmanager
-    def _maker(self, task: Task, shelf: "Shelf") -> Iterator["FilmMaker"]:
+    def _maker(self, task: Task, catalog: "EpisodeCatalog") -> Iterator["FilmMaker"]:
         from sheath_manip.playback.making import FilmMaker
 
-        maker = FilmMaker(task, self.variant, shelf.read, shelf.summary)
+        maker = FilmMaker(task, self.variant, catalog.read, catalog.summary)
         try:
             yield maker
         finally:
@@ -84,7 +85,9 @@ class Replay:
             raise ParameterError(f"cannot write {self.export} ({error})") from error
         session.out.print(Text(f"{self.export}: {len(content) / 1e6:.2f} MB"))
 
-    def _show(self, maker: "FilmMaker", shelf: "Shelf", place: int, session: Session) -> None:
+    def _show(
+        self, maker: "FilmMaker", catalog: "EpisodeCatalog", place: int, session: Session
+    ) -> None:
         from sheath_manip.dashboard import Replay as ReplayPage
 
         # Before the page is there, so that what cannot be shown is told on the terminal.
@@ -92,7 +95,7 @@ class Replay:
         self.address.warn(session)
         page = ReplayPage(
             maker.spec(place),
-            shelf,
+            catalog,
             maker.film,
             maker.exported,
             host=self.address.host,
@@ -102,6 +105,6 @@ class Replay:
         )
         with page, suppress(KeyboardInterrupt):
             session.announce(page.address)
-            steps = f"{len(shelf)} episodes, this one of {len(film)} steps"
+            steps = f"{len(catalog)} episodes, this one of {len(film)} steps"
             session.out.print(Text(f"{self.store}: {steps}, {film.outcome}"))
             page.run(place)

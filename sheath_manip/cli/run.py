@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from sheath_manip.cli.operated import PERSON, Operating
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is, spec_of
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Listener
@@ -28,21 +28,21 @@ class Run:
     checkpoint: Path
     """file of the policy and its gate, as `sheath train` and `sheath experiment` write it"""
     episodes: int = 5
-    """how many"""
+    """number of episodes"""
     seed: int = 0
-    """from which the scenes follow"""
+    """seed from which the scenes follow"""
     variant: str = "default"
-    """of the task"""
-    store: Path | None = None
-    """directory to record into; nothing is recorded without it"""
-    trained_on: Path | None = None
+    """variant of the task"""
+    store: Annotated[Path | None, default_is("nothing is recorded")] = None
+    """directory to record into"""
+    trained_on: Annotated[Path | None, default_is("no support is shown")] = None
     """directory of the episodes that the checkpoint was trained on, for a person: shows the
     support on the page, and lets ν be changed there, not only the threshold"""
     expert: str = SCRIPTED
     """who takes over: the scripted one, a fallback controller that the task has, such as hold or
     back-up, or a person, who is asked on the page and may take over there at any time"""
     policy_alone: bool = False
-    """without gate and expert"""
+    """let the policy act without gate and expert"""
     dashboard: bool = False
     """show the run in the browser"""
     operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
@@ -78,7 +78,7 @@ class Run:
         checkpoint = self._checkpoint(task)
         with session.err.status("reading"):
             adjusting = adjusted(self.checkpoint, checkpoint, self.trained_on, spec_of(task))
-        with self.operating.crew(task, self.address, session, adjusting.parts) as crew:
+        with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
             driver = crew.driver(adjusting.driver)

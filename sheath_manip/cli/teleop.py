@@ -28,13 +28,13 @@ class Teleop:
     store: Path
     """directory for the episodes; made where there is none"""
     episodes: int = 5
-    """of how many scenes the store shall hold a demonstration"""
+    """number of scenes of which the store shall hold a demonstration"""
     seed: int = 0
-    """from which the scenes follow"""
+    """seed from which the scenes follow"""
     variant: str = "default"
-    """of the task"""
+    """variant of the task"""
     speed: float = 1.0
-    """1 is the task's control rate; the page's slider multiplies it"""
+    """speed of the run: 1 is the task's control rate; the page's slider multiplies it"""
     spacemouse: bool = False
     """read the SpaceMouse that is plugged in here"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)

@@ -4,13 +4,13 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from sheath_manip.cli.options import TaskName
+from sheath_manip.cli.options import TaskName, default_is
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
@@ -46,8 +46,8 @@ class Train(Planned):
     calibration: int = Schedule.calibration
     """expert episodes held out for the threshold, at least 3"""
     seed: int = 0
-    """of the policy's first weights and the order of its batches"""
-    cache: Path | None = None
+    """seed of the policy's first weights and the order of its batches"""
+    cache: Annotated[Path | None, default_is("states are read into memory")] = None
     """directory to keep the training states in, where they shall not be read into memory: files
     that are written once per set of episodes and mapped"""
 
@@ -58,7 +58,7 @@ class Train(Planned):
 
     @classmethod
     def settings(cls, plan: LearningPlan) -> dict[str, Any]:
-        """What `plan` says of policy, gate and held-out episodes."""
+        """Return what `plan` says of policy, gate and held-out episodes."""
         calibration = plan.schedule.calibration
         return {"policy": plan.policy, "gate": plan.gate, "calibration": calibration}
 
@@ -70,8 +70,8 @@ class Train(Planned):
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.compatibility import remarks
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.mapped import mapped_samples
-        from sheath_manip.dataset.places import open_place
         from sheath_manip.gates.fitted import Sources
         from sheath_manip.learning.checkpoint import Checkpoint, digest
         from sheath_manip.learning.fitting import fit_gate
@@ -80,7 +80,7 @@ class Train(Planned):
         from sheath_manip.signals import make_signal
         from sheath_manip.types.samples import samples_from
 
-        store = open_place(self.store)
+        store = open_store(self.store)
         summaries = store.infos()
         with opened(task, _variant(summaries, task.name)) as environment:
             spec = environment.spec

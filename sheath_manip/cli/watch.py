@@ -7,7 +7,7 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated
 
-from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.rollout.pacing import Pacing
@@ -24,18 +24,19 @@ class Watch:
 
     task: TaskName
     """name of the task, as `sheath tasks` lists it"""
-    checkpoint: Path | None = None
-    """file of the policy and its gate; the expert drives where none is given"""
-    store: Path | None = None
-    """directory of the episodes that it was trained on: shows its support, and lets ν be changed"""
-    episodes: int | None = None
-    """end after so many"""
+    checkpoint: Annotated[Path | None, default_is("the expert drives")] = None
+    """file of the policy and its gate"""
+    store: Annotated[Path | None, default_is("no support is shown")] = None
+    """directory of the episodes that the policy was trained on: shows its support, and lets ν be
+    changed"""
+    episodes: Annotated[int | None, default_is("until it is stopped")] = None
+    """number of episodes after which to end"""
     seed: int = 0
-    """from which the scenes follow"""
+    """seed from which the scenes follow"""
     variant: str = "default"
-    """of the task"""
+    """variant of the task"""
     speed: float = 1.0
-    """1 is the task's control rate, 2 twice as fast"""
+    """speed of the run: 1 is the task's control rate, 2 twice as fast"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
@@ -62,10 +63,10 @@ class Watch:
             with session.err.status("reading"):
                 adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec)
             driver = adjusting.driver
-        parts = () if adjusting is None else adjusting.parts
+        widgets = () if adjusting is None else adjusting.widgets
         with (
             SerialExecutor() as executor,
-            self.address.dashboard(spec, session, cockpit, parts) as page,
+            self.address.dashboard(spec, session, cockpit, widgets) as page,
             suppress(KeyboardInterrupt),
         ):
             if adjusting is not None and adjusting.states is not None:

@@ -72,7 +72,7 @@ class Cockpit:
 
     @property
     def state(self) -> State:
-        """As it is now."""
+        """The cockpit as it is now."""
         standing = self._seen()
         return replace(
             self._acting,
@@ -134,7 +134,10 @@ class Cockpit:
         self._axes = (self._clock(), axes)
 
     def silence(self, station: str) -> None:
-        """Nothing that `station` said counts any longer; it drives again once it is heard again."""
+        """Make nothing that `station` said count any longer.
+
+        It drives again once it is heard again.
+        """
         self._follow(lambda standing: transitions.silenced(standing, station))
 
     def leave(self, station: str) -> None:
@@ -194,7 +197,7 @@ class Cockpit:
         return self._standing.closed
 
     def now(self) -> Now:
-        """What this step goes by: all of one moment."""
+        """Return what this step goes by, all of one moment."""
         with self._news:
             now_s = self._clock()
             standing = transitions.aged(self._standing, now_s)

@@ -79,7 +79,7 @@ class OperatedEnvironment:
         cockpit.give_turn(Actor.HOLD if blocked else Actor.POLICY, still=blocked)
 
     def outcome(self) -> Outcome:
-        """What the person said it is, else the task."""
+        """Return the outcome that the person said, else the task."""
         return self.cockpit.mark or self.environment.outcome()
 
     def metrics(self) -> Mapping[str, float]:
@@ -100,11 +100,11 @@ class OperatedEnvironment:
         return self.environment.scene()
 
     def pose(self) -> ScenePose:
-        """How the scene stands now."""
+        """Return how the scene stands now."""
         return self.environment.pose()
 
     def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
-        """How it stood in `state`."""
+        """Return how the scene stood in `state`."""
         return self.environment.pose_at(state)
 
     def close(self) -> None:

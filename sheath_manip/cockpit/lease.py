@@ -45,11 +45,11 @@ class Lease:
         return replace(self, given=None, goal=None)
 
     def alive(self, now_s: float) -> bool:
-        """Whether somebody drives and was heard of a moment ago."""
+        """Return whether somebody drives and was heard of a moment ago."""
         return self.given is not None and now_s - self.beat_s <= LOST_AFTER_S
 
     def expired(self, now_s: float) -> bool:
-        """Whether its holder was not heard of for so long that it is lost."""
+        """Return whether the lease's holder was not heard of for so long that it is lost."""
         return self.holder is not None and now_s - self.beat_s > FREE_AFTER_S
 
 

@@ -13,7 +13,7 @@ class UntilTaken:
         self.cockpit = cockpit
 
     def on_fit(self, states: Samples) -> None:
-        """Nothing to wait for."""
+        """Do nothing: a fit has nothing to wait for."""
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Wait for the person; not for one who will never come, since the page is gone."""
@@ -23,7 +23,7 @@ class UntilTaken:
             self.cockpit.rest()
 
     def on_step(self, environment: Environment, step: Step) -> None:
-        """Nothing to wait for."""
+        """Do nothing: a step has nothing to wait for."""
 
     def on_end(self, episode: Episode) -> None:
-        """Nothing to wait for."""
+        """Do nothing: an end has nothing to wait for."""

@@ -31,7 +31,7 @@ def follow(
     value: float = 1.0,
     seen: int | None = None,
 ) -> Standing | None:
-    """How things stand once `station` has ordered that; None where it may not.
+    """Return how things stand once `station` has ordered that; None where it may not.
 
     `station` is None for the program itself, which nobody locks out. `value` goes with a speed, and
     `seen` is the number of the newest stop that `station` knew of.
@@ -91,7 +91,7 @@ def _may(standing: Standing, order: Order, station: str | None, seen: int | None
 
 
 def aged(standing: Standing, now_s: float) -> Standing:
-    """How things stand at `now_s`: who is not heard of for too long is lost."""
+    """Return how things stand at `now_s`: who is not heard of for too long is lost."""
     return lost(standing) if standing.lease.expired(now_s) else standing
 
 
@@ -120,7 +120,7 @@ def dragged(standing: Standing, station: str, goal: NDArray | None) -> Standing 
 
 
 def silenced(standing: Standing, station: str) -> Standing | None:
-    """Nothing that `station` said counts any longer; None where nothing did."""
+    """Return a state in which nothing that `station` said counts; None where nothing did."""
     if standing.lease.holder != station or standing.lease.given is None:
         return None
     return replace(standing, lease=standing.lease.silenced())

@@ -35,7 +35,7 @@ class AccessControl:
 
     @property
     def address(self) -> str:
-        """Where a browser on this machine gets in, token included."""
+        """The address at which a browser on this machine gets in, token included."""
         host = "127.0.0.1" if self.host in WILDCARDS else _bracketed(self.host)
         return f"http://{host}:{self.port}/?token={quote(self.token, safe='')}"
 

@@ -26,7 +26,10 @@ class Aim:
 
 
 def aim(scene: Sequence[SceneGeom], pose: ScenePose, view: FirstView | None) -> Aim | None:
-    """At the tool as `view` says, else so that the whole scene is seen; None of an empty one."""
+    """Aim at the tool as `view` says, else so that the whole scene is seen.
+
+    The answer is None for an empty scene.
+    """
     if view is not None and pose.tool_m is not None:
         distance_m = MARGIN * view.radius_m / np.tan(FIELD_OF_VIEW_RAD / 2)
         return Aim(pose.tool_m - distance_m * _direction(view), pose.tool_m)

@@ -28,7 +28,7 @@ class Chart(Protocol):
         ...
 
     def places(self, observations: Sequence[Observation]) -> NDArray[np.float64]:
-        """(m > 0, 2) of observations; a projection has to be fitted first."""
+        """Return the (m > 0, 2) places of observations; a projection has to be fitted first."""
         ...
 
 

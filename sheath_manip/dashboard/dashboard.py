@@ -11,14 +11,13 @@ import viser
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.layout import live
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk, Maker
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.server import GuardedServer
-from sheath_manip.dashboard.shown import moment_of
+from sheath_manip.dashboard.snapshot import Snapshot, snapshot_of
 from sheath_manip.dashboard.tally import Share, Tally
+from sheath_manip.dashboard.widget import WidgetContext, WidgetFactory
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.playback.film import Film
 from sheath_manip.protocols import Environment
@@ -44,7 +43,7 @@ class Dashboard:
         port: int = 8080,
         token: str | None = None,
         cockpit: Cockpit | None = None,
-        gate: tuple[Maker, ...] = (),
+        gate: tuple[WidgetFactory, ...] = (),
     ) -> None:
         """Open the page.
 
@@ -61,8 +60,8 @@ class Dashboard:
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
-        desk = Desk(self._server.viser, spec, self._drawer.wake, self._allows)
-        self._page = Page(desk, live(spec, self.cockpit, self._playhead, gate))
+        context = WidgetContext(self._server.viser, spec, self._drawer.wake, self._allows)
+        self._page = Page(context, live(spec, self.cockpit, self._playhead, gate))
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
@@ -73,7 +72,7 @@ class Dashboard:
 
     @property
     def address(self) -> str:
-        """Where to point the browser; contains the token, so print it for the person only."""
+        """The address for the browser; contains the token, so print it for the person only."""
         return self._server.access.address
 
     @property
@@ -160,13 +159,13 @@ class Dashboard:
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()
 
-    def _latest(self) -> Moment | None:
+    def _latest(self) -> Snapshot | None:
         shown = self._playhead.shown
         if shown is None:
             return None
         film, at, present = shown
         with self._lock:
-            return moment_of(
+            return snapshot_of(
                 film,
                 at,
                 series=self._tally.share(film.info),
@@ -180,9 +179,9 @@ class Dashboard:
     def _draw_latest(self) -> None:
         if not self._page.watched:
             return
-        moment = self._latest()
-        if moment is not None:
-            self._page.draw(moment)
+        snapshot = self._latest()
+        if snapshot is not None:
+            self._page.draw(snapshot)
 
     def _show_trouble(self, failure: str) -> None:
         self._page.show_trouble(failure)

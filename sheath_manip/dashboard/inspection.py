@@ -81,7 +81,7 @@ class Inspection:
         self._server = server
 
     def admits(self, raw: object) -> bool:
-        """Whether viser may see what a browser has sent."""
+        """Return whether viser may see what a browser has sent."""
         if not isinstance(raw, bytes):
             return False
         try:
@@ -137,7 +137,7 @@ class InspectedConnection:
 
 
 def fits(value: Any, present: Any, props: Any) -> bool:
-    """Whether an element with those `props` may get `value` in the place of its `present` one."""
+    """Return whether an element with those `props` may get `value` for its `present` one."""
     if isinstance(present, bool):
         return isinstance(value, bool)
     if isinstance(present, str):

@@ -1,38 +1,38 @@
-"""Which parts each page has: a part of one's own is one file, and one line here."""
+"""Which widgets each page has: a widget of one's own is one file, and one line here."""
 
 from functools import partial
 
 from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.following import Following
-from sheath_manip.dashboard.part import Layout, Maker
-from sheath_manip.dashboard.parts.banner import Banner
-from sheath_manip.dashboard.parts.cameras import Cameras
-from sheath_manip.dashboard.parts.controls import Controls
-from sheath_manip.dashboard.parts.counts import Counts
-from sheath_manip.dashboard.parts.episode_list import EpisodeList
-from sheath_manip.dashboard.parts.export import Export, Exporting
-from sheath_manip.dashboard.parts.follow import FollowBox
-from sheath_manip.dashboard.parts.interventions import Interventions
-from sheath_manip.dashboard.parts.learning import LearningCurves
-from sheath_manip.dashboard.parts.lines import Lines
-from sheath_manip.dashboard.parts.marking import Marking
-from sheath_manip.dashboard.parts.score_plot import ScorePlot
-from sheath_manip.dashboard.parts.support_map import SupportMap
-from sheath_manip.dashboard.parts.surfaces import Surfaces
-from sheath_manip.dashboard.parts.timeline import Timeline
-from sheath_manip.dashboard.parts.tool_gizmo import ToolGizmo
-from sheath_manip.dashboard.parts.trail import Trail
-from sheath_manip.dashboard.parts.transport import Transport
-from sheath_manip.dashboard.parts.trouble import Trouble
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.scene import SceneView
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.widget import Layout, WidgetFactory
+from sheath_manip.dashboard.widgets.banner import Banner
+from sheath_manip.dashboard.widgets.cameras import Cameras
+from sheath_manip.dashboard.widgets.controls import Controls
+from sheath_manip.dashboard.widgets.counts import Counts
+from sheath_manip.dashboard.widgets.episode_list import EpisodeList
+from sheath_manip.dashboard.widgets.export import Export, Exporting
+from sheath_manip.dashboard.widgets.follow import FollowBox
+from sheath_manip.dashboard.widgets.interventions import Interventions
+from sheath_manip.dashboard.widgets.learning import LearningCurves
+from sheath_manip.dashboard.widgets.lines import Lines
+from sheath_manip.dashboard.widgets.marking import Marking
+from sheath_manip.dashboard.widgets.score_plot import ScorePlot
+from sheath_manip.dashboard.widgets.support_map import SupportMap
+from sheath_manip.dashboard.widgets.surfaces import Surfaces
+from sheath_manip.dashboard.widgets.timeline import Timeline
+from sheath_manip.dashboard.widgets.tool_gizmo import ToolGizmo
+from sheath_manip.dashboard.widgets.trail import Trail
+from sheath_manip.dashboard.widgets.transport import Transport
+from sheath_manip.dashboard.widgets.trouble import Trouble
 from sheath_manip.types import TaskSpec
 
 
 def live(
-    spec: TaskSpec, cockpit: Cockpit, playhead: Playhead, gate: tuple[Maker, ...] = ()
+    spec: TaskSpec, cockpit: Cockpit, playhead: Playhead, gate: tuple[WidgetFactory, ...] = ()
 ) -> Layout:
     """The page of a run that a person controls from `cockpit`.
 
@@ -63,7 +63,9 @@ def live(
     )
 
 
-def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting) -> Layout:
+def recorded(
+    spec: TaskSpec, catalog: EpisodeCatalog, player: Player, exporting: Exporting
+) -> Layout:
     """The page of recorded episodes."""
     following = _following(spec)
     return Layout(
@@ -77,10 +79,10 @@ def recorded(spec: TaskSpec, shelf: Shelf, player: Player, exporting: Exporting)
                 partial(Counts, with_series=False),
                 partial(FollowBox, following=following),
             ),
-            "Episodes": (partial(EpisodeList, shelf=shelf, player=player),),
+            "Episodes": (partial(EpisodeList, catalog=catalog, player=player),),
             "Support": (SupportMap,),
             "Marks": (
-                partial(Marking, shelf=shelf, player=player),
+                partial(Marking, catalog=catalog, player=player),
                 partial(Export, player=player, exporting=exporting),
             ),
         },

@@ -44,7 +44,7 @@ class Budget:
         self._over = False
 
     def exceeded(self, arrived_s: float) -> bool:
-        """Whether the message of that moment is one too many."""
+        """Return whether the message of that snapshot is one too many."""
         leaked = self._most * (arrived_s - self._latest_s)
         self._latest_s = arrived_s
         self._level = min(max(0.0, self._level - leaked) + 1.0, 1.5 * self._most)

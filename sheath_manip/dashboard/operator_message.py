@@ -35,7 +35,10 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """with an order: the number of the newest emergency stop that the station was shown"""
 
     def given(self, codes: set[str]) -> Given | None:
-        """What is held, of the keys `codes` that drive; None where the message does not say."""
+        """Return what is held, of the keys `codes` that drive.
+
+        The answer is None where the message does not say.
+        """
         if self.keys is None:
             return None
         pad = self.pad

@@ -134,5 +134,5 @@ class OperatorSocket:
 
 
 def station_of(page: int) -> str:
-    """What the cockpit calls the page that viser counts so."""
+    """Return what the cockpit calls the page that viser counts so."""
     return f"page {page}"

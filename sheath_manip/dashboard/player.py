@@ -19,7 +19,7 @@ class Played:
     """What is on, at one moment."""
 
     place: int = 0
-    """of the episode, on the shelf"""
+    """of the episode, in the catalog"""
     film: Film | None = None
     """None until the first one has been read"""
     at: int = 0

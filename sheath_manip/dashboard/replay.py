@@ -7,16 +7,16 @@ from typing import Self
 import viser
 
 from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.layout import recorded
 from sheath_manip.dashboard.page import Page
-from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.parts.export import Exporting
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.server import GuardedServer
-from sheath_manip.dashboard.shelf import Shelf
-from sheath_manip.dashboard.shown import moment_of
+from sheath_manip.dashboard.snapshot import snapshot_of
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.dashboard.widget import WidgetContext
+from sheath_manip.dashboard.widgets.export import Exporting
 from sheath_manip.playback.film import Film
 from sheath_manip.types import TaskSpec
 
@@ -29,7 +29,7 @@ class Replay:
     def __init__(
         self,
         spec: TaskSpec,
-        shelf: Shelf,
+        catalog: EpisodeCatalog,
         film_at: Callable[[int], Film],
         exporting: Exporting,
         host: str = "127.0.0.1",
@@ -42,7 +42,7 @@ class Replay:
 
         Args:
             spec: of the episodes' task.
-            shelf: the episodes.
+            catalog: the episodes.
             film_at: reads one; called by `run` alone, as `exporting` is.
             exporting: makes a file of one.
             host: address to listen on.
@@ -54,18 +54,18 @@ class Replay:
         Raises:
             SetupError: the port is taken.
         """
-        self._shelf = shelf
+        self._catalog = catalog
         self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", Cockpit())
         self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
         self.player = Player(film_at, self._drawer.wake, speed, again)
-        desk = Desk(self._server.viser, spec, self._drawer.wake)
-        self._page = Page(desk, recorded(spec, shelf, self.player, exporting))
-        self._training = shelf.training()
+        context = WidgetContext(self._server.viser, spec, self._drawer.wake)
+        self._page = Page(context, recorded(spec, catalog, self.player, exporting))
+        self._training = catalog.training()
         self._server.viser.on_client_connect(self._greet)
 
     @property
     def address(self) -> str:
-        """Where to point the browser; contains the token, so print it for the person only."""
+        """The address for the browser; contains the token, so print it for the person only."""
         return self._server.access.address
 
     def run(self, place: int) -> None:
@@ -97,16 +97,16 @@ class Replay:
         now = self.player.now
         if now.film is None or not self._page.watched:
             return
-        moment = moment_of(
+        snapshot = snapshot_of(
             now.film,
             now.at,
             series=Share(),
-            outcomes=self._shelf.outcomes,
+            outcomes=self._catalog.outcomes,
             training=self._training,
             paused=not now.playing,
             present=False,
         )
-        self._page.draw(moment)
+        self._page.draw(snapshot)
 
     def _show_trouble(self, failure: str) -> None:
         self._page.show_trouble(failure)

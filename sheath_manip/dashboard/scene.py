@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD, aim
 from sheath_manip.dashboard.following import Following
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import SceneGeom, ScenePose
 
@@ -30,9 +30,9 @@ class SceneView:
     way, so that the camera stays where the person has it.
     """
 
-    def __init__(self, desk: Desk, following: Following | None = None) -> None:
-        self._server = desk.viser
-        self._first_view = desk.spec.first_view
+    def __init__(self, context: WidgetContext, following: Following | None = None) -> None:
+        self._server = context.viser
+        self._first_view = context.spec.first_view
         self._following = following
         self._root = self._server.scene.add_frame(WORLD, show_axes=False)
         self._scene: viser.FrameHandle | None = None
@@ -41,10 +41,10 @@ class SceneView:
         self._shown = np.zeros((0, 7))
         self._home_m: NDArray[np.float64] | None = None
 
-    def draw(self, moment: Moment) -> None:
-        """Show the moment's scene as it stands."""
-        self.build(moment.scene, moment.pose)
-        self.move(moment.pose)
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show the snapshot's scene as it stands."""
+        self.build(snapshot.scene, snapshot.pose)
+        self.move(snapshot.pose)
 
     def build(self, scene: Sequence[SceneGeom], pose: ScenePose) -> None:
         """Show `scene` in place of the one before, or keep that where the two are equal.
@@ -100,7 +100,7 @@ class SceneView:
 
 
 def same_scene(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
-    """Whether the two show the same shapes."""
+    """Return whether the two show the same shapes."""
     return len(left) == len(right) and all(map(_same_geom, left, right))
 
 

@@ -48,7 +48,7 @@ def ground_of(scene: Sequence[SceneGeom], pose: ScenePose) -> Ground | None:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Where an episode has been in the plane."""
+    """The track of an episode: where it has been in the plane."""
 
     positions: NDArray[np.float64]
     """(n, 2) metres, the present one last"""

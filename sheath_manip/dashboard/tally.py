@@ -13,7 +13,7 @@ from sheath_manip.types.columns import IN_PLACE_OF_POLICY
 
 @dataclass(frozen=True)
 class Share:
-    """How much of the acting fell to the expert."""
+    """The share: how much of the acting fell to the expert."""
 
     steps: int = 0
     expert_steps: int = 0
@@ -65,11 +65,11 @@ class Tally:
         self._outcomes.setdefault(_series(info), Counter())[outcome] += 1
 
     def share(self, info: EpisodeInfo) -> Share:
-        """Of the episodes of that series that have ended."""
+        """Return the share of the series' episodes that have ended."""
         return self._shares.get(_series(info), Share())
 
     def outcomes(self, info: EpisodeInfo) -> Mapping[Outcome, int]:
-        """Of the same."""
+        """Return the outcomes of the series' episodes that have ended."""
         return dict(self._outcomes.get(_series(info), {}))
 
 

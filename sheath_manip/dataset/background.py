@@ -12,7 +12,7 @@ from sheath_manip.types import Episode
 
 
 class BackgroundRecorder(Recorder):
-    """As `Recorder`, used as a context, at whose end every episode is on the disk.
+    """A `Recorder` that writes in the background; a context, at whose end all is on the disk.
 
     A process of its own compresses and writes it, and a thread waits for that. One episode is
     written at a time: the next one waits for it. What went wrong is raised when the next episode
@@ -31,7 +31,7 @@ class BackgroundRecorder(Recorder):
         self.flush()
         # Not in the thread: it would take turns with the simulation at every row.
         recorded = recorded_of(episode, self.space)
-        self._written = self._thread.submit(self._writer.adopt, recorded)
+        self._written = self._thread.submit(self._writer.append_arrays, recorded)
 
     def __enter__(self) -> Self:
         return self

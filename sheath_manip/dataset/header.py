@@ -44,7 +44,7 @@ _PACKAGES = ("sheath-manip", "mujoco", "numpy", "zarr")
 
 @dataclass(frozen=True)
 class Header:
-    """What must be known of an episode before one of its arrays is read."""
+    """An episode's header: what must be known of it before one of its arrays is read."""
 
     info: EpisodeInfo
     length: int

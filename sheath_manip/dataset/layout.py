@@ -48,7 +48,7 @@ class ArraySpec:
 
     @property
     def is_image(self) -> bool:
-        """Whether it holds camera images."""
+        """Whether the array holds camera images."""
         return "images/" in self.path
 
 

@@ -31,7 +31,7 @@ _IMAGE_PREFIX = "image-"
 
 
 def mapped_samples(reader: EpisodeReader, names: Sequence[str], folder: Path) -> Samples:
-    """All labelled states of the named episodes, as `samples_from`, in files under `folder`.
+    """Return all labelled states of the named episodes, as `samples_from`, in files under `folder`.
 
     The files are written at the first call for these very episodes and serve all later ones; what
     is changed in the arrays stays in memory. Raises ParameterError where there is no labelled

@@ -21,7 +21,7 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class Marks:
-    """By default nothing was said."""
+    """A person's marks of an episode; by default nothing was said."""
 
     outcome: Outcome | None = None
     """how the episode ended in truth; None: as recorded"""
@@ -36,11 +36,11 @@ class Marks:
         return bad
 
     def bad_steps(self, length: int) -> int:
-        """How many of `length` steps are not to be learned from, whatever a header claims."""
+        """Return how many of `length` steps are not to be learned from, whatever headers claim."""
         return sum(min(stop, length) - min(start, length) for start, stop in self.bad)
 
     def with_bad(self, start: int, stop: int) -> "Marks":
-        """The same with one more bad stretch; raises ParameterError for an empty one."""
+        """Return these marks with one more bad stretch; raises ParameterError for an empty one."""
         if not 0 <= start < stop:
             raise ParameterError(
                 f"the bad stretch is {start} .. {stop}; wanted a first step of at least 0 and a "
@@ -68,12 +68,12 @@ def learnable(episode: Episode, marks: Marks) -> Episode:
 
 
 def marks_path(store: Path, name: str) -> Path:
-    """Where the marks of the episode `name` are kept."""
+    """Return where the marks of the episode `name` are kept."""
     return store / f"{name}{SUFFIX}"
 
 
 def is_marks_name(entry: str) -> bool:
-    """Whether `entry` is the name of a file of marks."""
+    """Return whether `entry` is the name of a file of marks."""
     return entry.endswith(SUFFIX) and is_episode_name(entry.removesuffix(SUFFIX))
 
 
@@ -121,13 +121,13 @@ def write_marks(store: Path, name: str, marks: Marks) -> None:
 
 
 def marks_text(marks: Marks) -> str:
-    """As the file holds them."""
+    """Return the marks as their file holds them."""
     fields = {"format": FORMAT, "schema": SCHEMA, "outcome": marks.outcome, "bad": marks.bad}
     return json.dumps(fields)
 
 
 def marks_faults(store: Path, names: set[str]) -> list[Fault]:
-    """What is wrong with the files of marks in `store`, which has the episodes `names`."""
+    """Return what is wrong with the files of marks in `store`, which has the episodes `names`."""
     faults = []
     for entry in sorted(store.iterdir()):
         if not is_marks_name(entry.name):

@@ -101,7 +101,7 @@ class _There:
         self._of_scene[split_session(name)[0]].append(name)
 
     def has(self, reader: EpisodeReader, name: str) -> bool:
-        """Whether an episode of the same scene has the same content as `name` of `reader`."""
+        """Return whether an episode of the same scene has the content of `name` in `reader`."""
         candidates = self._of_scene[split_session(name)[0]]
         # To compare files is far cheaper than to decompress them.
         if name in self and _same_files(reader, self.readers[name], name):

@@ -16,7 +16,7 @@ _SESSION = re.compile(r"[0-9A-Za-z]*")
 
 
 def episode_name(info: EpisodeInfo) -> str:
-    """Where the episode of `info` is kept, such as `learning-sheath-s0-r03-i007-seed12345`.
+    """Return the name of the episode of `info`, such as `learning-sheath-s0-r03-i007-seed12345`.
 
     Task, variant and checkpoint are left out: a second run of the same episode must meet the first
     one's name. A recording by hand ends in `-session` and the name of that.
@@ -28,7 +28,7 @@ def episode_name(info: EpisodeInfo) -> str:
 
 
 def scene_name(info: EpisodeInfo) -> str:
-    """What the names of all recordings of one scene begin with, whatever their session."""
+    """Return what the names of all recordings of one scene begin with, whatever their session."""
     return episode_name(replace(info, session=""))
 
 
@@ -40,10 +40,10 @@ def split_session(name: str) -> tuple[str, str]:
 
 
 def is_episode_name(name: str) -> bool:
-    """Whether `name` could have come from `episode_name`."""
+    """Return whether `name` could have come from `episode_name`."""
     return _NAME.fullmatch(name) is not None
 
 
 def is_session(text: str) -> bool:
-    """Whether `text` may tell a session, or be none: letters and digits only."""
+    """Return whether `text` may tell a session, or be none: letters and digits only."""
     return _SESSION.fullmatch(text) is not None

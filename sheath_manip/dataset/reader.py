@@ -48,7 +48,7 @@ class EpisodeReader(ABC):
     @property
     @abstractmethod
     def address(self) -> str:
-        """Where that is: a directory or a URL."""
+        """The address of the store: a directory or a URL."""
 
     @abstractmethod
     def names(self) -> list[str]:
@@ -56,7 +56,10 @@ class EpisodeReader(ABC):
 
     @abstractmethod
     def header(self, name: str) -> Header:
-        """All of the episode `name` that is no array; raises StoreError where it is damaged."""
+        """Return all of the episode `name` that is no array.
+
+        Raises StoreError where it is damaged.
+        """
 
     @abstractmethod
     def array(self, name: str, spec: ArraySpec) -> NDArray:
@@ -68,11 +71,11 @@ class EpisodeReader(ABC):
 
     @abstractmethod
     def content(self, name: str, file: str) -> bytes:
-        """What is in one of the `files` of an episode."""
+        """Return what is in one of the `files` of an episode."""
 
     @abstractmethod
     def entry_faults(self) -> list[Fault]:
-        """What else is in that place."""
+        """Return what is wrong with other entries of the store."""
 
     def require_fits(self, spec: RecordedSpec, who: str) -> None:
         """Raise StoreError where `who`, of `spec`, is not to be put beside what is here.
@@ -92,7 +95,9 @@ class EpisodeReader(ABC):
         return None
 
     def marks(self, name: str) -> Marks:  # noqa: ARG002
-        """What a person said of the episode afterwards; raises StoreError where that is broken.
+        """Return what a person said of the episode afterwards.
+
+        Raises StoreError where that is broken.
 
         Places that keep no marks have none.
         """
@@ -106,7 +111,7 @@ class EpisodeReader(ABC):
         )
 
     def summary(self, name: str) -> EpisodeSummary:
-        """One episode at a glance; raises StoreError where its header cannot be read."""
+        """Return one episode at a glance; raises StoreError where its header cannot be read."""
         header, marks = self.header(name), self.marks(name)
         return EpisodeSummary(
             name=name,
@@ -123,7 +128,7 @@ class EpisodeReader(ABC):
         )
 
     def infos(self) -> list[EpisodeSummary]:
-        """All episodes at a glance, sorted by name; raises StoreError as `summary` does."""
+        """Return all episodes at a glance, sorted by name; raises StoreError as `summary` does."""
         return [self.summary(name) for name in self.names()]
 
     def recorded(self, name: str, need_images: bool = True) -> Recorded:
@@ -153,7 +158,7 @@ class EpisodeReader(ABC):
         return (self.read(name, need_images) for name in names)
 
     def learnable(self, names: Iterable[str]) -> Iterator[Episode]:
-        """As `read_many`, with no label where a person marked an episode as bad."""
+        """Yield what `read_many` does, with no label where a person marked an episode as bad."""
         return (learnable(self.read(name), self.marks(name)) for name in names)
 
     def episodes(

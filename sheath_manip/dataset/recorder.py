@@ -23,7 +23,7 @@ class Recorder:
         self.space = Space.of(environment.spec)
 
     def on_step(self, environment: Environment, step: Step) -> None:
-        """Nothing is written before an episode is complete."""
+        """Do nothing: no step is written before an episode is complete."""
 
     def on_end(self, episode: Episode) -> None:
         """Append the episode; raises StoreError as `EpisodeStore.append` does."""

@@ -82,7 +82,10 @@ class RemoteStore(EpisodeReader):
         return sorted(f.stem for f in files if f.suffix == ".json" and is_episode_name(f.stem))
 
     def header(self, name: str) -> Header:
-        """All of the episode `name` that is no array; raises StoreError where it is damaged."""
+        """Return all of the episode `name` that is no array.
+
+        Raises StoreError where it is damaged.
+        """
         self._manifest(name)
         missing = FaultError(name, FaultKind.MISSING, f"its manifest is there, {GROUP_FILE} is not")
         try:
@@ -107,7 +110,10 @@ class RemoteStore(EpisodeReader):
         return {file: entry["bytes"] for file, entry in self._manifest(name).items()}
 
     def content(self, name: str, file: str) -> bytes:
-        """What is in one of the `files`; raises StoreError where it is not what was pushed."""
+        """Return what is in one of the `files`.
+
+        Raises StoreError where it is not what was pushed.
+        """
         wanted = self._manifest(name)[file]["sha256"]
         path = f"{name}/{file}"
         with self._reaching(path, missing=f"{name}: its manifest lists {file}, which is not there"):

@@ -38,11 +38,11 @@ class OfSession(EpisodeReader):
         return [episode_name(self._header.info)]
 
     def header(self, name: str) -> Header:  # noqa: ARG002
-        """Its header, with the session."""
+        """Return the episode's header, with the session."""
         return self._header
 
     def array(self, name: str, spec: ArraySpec) -> NDArray:  # noqa: ARG002
-        """One of its arrays; raises StoreError where it is damaged."""
+        """Return one of the episode's arrays; raises StoreError where it is damaged."""
         return self._reader.array(self._inner, spec)
 
     def files(self, name: str) -> Mapping[str, int]:  # noqa: ARG002
@@ -50,13 +50,13 @@ class OfSession(EpisodeReader):
         return {**self._reader.files(self._inner), GROUP_FILE: len(self._content)}
 
     def content(self, name: str, file: str) -> bytes:  # noqa: ARG002
-        """What is in one of its files."""
+        """Return what is in one of the episode's files."""
         return self._content if file == GROUP_FILE else self._reader.content(self._inner, file)
 
     def entry_faults(self) -> list[Fault]:
-        """Nothing else is here."""
+        """Return nothing, since nothing else is here."""
         return []
 
     def marks(self, name: str) -> Marks:  # noqa: ARG002
-        """What a person said of it."""
+        """Return what a person said of the episode."""
         return self._reader.marks(self._inner)

@@ -10,7 +10,7 @@ from rich.text import Text
 from sheath_manip.dataset.exchange.selection import runs
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import layout
-from sheath_manip.dataset.places import open_place
+from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.exceptions import StoreError
 
@@ -23,7 +23,7 @@ def print_show(address: str, episode: str, console: Console) -> int:
     Raises StoreError where `address` is no store, where it has no `episode` (a name, or a place in
     the list from 0), and where that is damaged.
     """
-    reader = open_place(address)
+    reader = open_store(address)
     name = chosen(reader, episode)
     header, recorded = reader.header(name), reader.recorded(name, need_images=False)
     marks = reader.marks(name)

@@ -150,7 +150,7 @@ def require_sound(header: Header, arrays: Arrays) -> None:
 
 
 def content_faults(header: Header, arrays: Arrays) -> list[Fault]:
-    """What is wrong with values that decode: unknown codes, other counts, actions that are none."""
+    """Return what is wrong with values that decode: unknown codes, other counts, bad actions."""
     name = episode_name(header.info)
     for array, meanings in (("actor", header.actors), ("reason", header.reasons)):
         highest = arrays[array].max()
@@ -179,12 +179,12 @@ def content_faults(header: Header, arrays: Arrays) -> list[Fault]:
 
 
 def by_expert(header: Header, arrays: Arrays) -> NDArray[np.bool_]:
-    """(T,) in which steps somebody drove in the policy's place: expert, operator or fallback."""
+    """Return (T,) whether expert, operator or fallback drove in the policy's place."""
     return np.array([actor.in_place_of_policy for actor in header.actors])[arrays["actor"]]
 
 
 def not_finite(arrays: Arrays) -> list[str]:
-    """Which of the actions that were executed or are trained on hold NaN or infinity.
+    """Return which of the actions that were executed or are trained on hold NaN or infinity.
 
     What the policy merely proposed may: that is evidence about the policy.
     """

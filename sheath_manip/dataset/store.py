@@ -85,9 +85,9 @@ class EpisodeStore(EpisodeReader):
         """
         if self._directory(episode.info).exists():
             raise _taken(self.path, episode_name(episode.info))
-        return self.adopt(recorded_of(episode, space))
+        return self.append_arrays(recorded_of(episode, space))
 
-    def adopt(self, recorded: Recorded) -> str:
+    def append_arrays(self, recorded: Recorded) -> str:
         """Write an episode as it was recorded, with its own date and versions; give its name.
 
         Raises StoreError as `append` does.
@@ -116,7 +116,10 @@ class EpisodeStore(EpisodeReader):
         self.mark(name, source.marks(name))
 
     def marks(self, name: str) -> Marks:
-        """What a person said of the episode afterwards; raises StoreError where that is broken."""
+        """Return what a person said of the episode afterwards.
+
+        Raises StoreError where that is broken.
+        """
         return read_marks(self.path, name)
 
     def mark(self, name: str, marks: Marks) -> None:
@@ -164,7 +167,7 @@ class EpisodeStore(EpisodeReader):
         return self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
 
     def has(self, info: EpisodeInfo) -> bool:
-        """Whether the episode of `info` is stored, so that a resumed run may skip it.
+        """Return whether the episode of `info` is stored, so that a resumed run may skip it.
 
         Raises StoreError where its name is taken by an episode of another task, variant, checkpoint
         or control rate: skipping that one would mix two runs.
@@ -194,7 +197,10 @@ class EpisodeStore(EpisodeReader):
         return sorted(entry.name for entry in entries)
 
     def header(self, name: str) -> Header:
-        """All of the episode `name` that is no array; raises StoreError where it is damaged."""
+        """Return all of the episode `name` that is no array.
+
+        Raises StoreError where it is damaged.
+        """
         if not is_episode_name(name) or not (self.path / name).is_dir():
             raise no_such_episode(self.address, name)
         return read_header(self.path / name)
@@ -213,7 +219,7 @@ class EpisodeStore(EpisodeReader):
         }
 
     def content(self, name: str, file: str) -> bytes:
-        """What is in one of the `files` of an episode."""
+        """Return what is in one of the `files` of an episode."""
         try:
             return (self.path / name / file).read_bytes()
         except OSError as error:

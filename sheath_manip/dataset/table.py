@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.dataset.check import check_episode
-from sheath_manip.dataset.places import open_place
+from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import StoreError
 
@@ -19,7 +19,7 @@ def print_list(address: str, console: Console) -> int:
 
     Raises StoreError where `address` is no store.
     """
-    reader = open_place(address)
+    reader = open_store(address)
     summaries, broken = readable(reader)
     table = Table(title=Text(reader.address), title_justify="left")
     table.add_column("episode", overflow="fold")
@@ -54,7 +54,7 @@ def print_check(address: str, console: Console) -> int:
 
     Raises StoreError where `address` is no store.
     """
-    reader = open_place(address)
+    reader = open_store(address)
     faults, names = reader.entry_faults(), reader.names()
     for name in track(
         names, "checking", console=console, transient=True, disable=not console.is_terminal

@@ -25,7 +25,7 @@ serve(sys.argv[1], sys.stdin.buffer, sys.stdout.buffer)
 
 
 class WriterProcess:
-    """Its `adopt` is that of the store at `path`, in another process; to be closed.
+    """A process that appends episodes to the store at `path`; to be closed.
 
     What it has been handed whole it writes to the end, also where this process is killed meanwhile.
     Raises StoreError where it cannot be started.
@@ -49,11 +49,14 @@ class WriterProcess:
 
     @property
     def process_id(self) -> int:
-        """Of the operating system's."""
+        """The process id that the operating system gave."""
         return self._process.pid
 
-    def adopt(self, recorded: Recorded) -> None:
-        """As `EpisodeStore.adopt`; raises StoreError also where the process is gone."""
+    def append_arrays(self, recorded: Recorded) -> None:
+        """Store an episode as `EpisodeStore.append_arrays` does.
+
+        Raises StoreError also where the process is gone.
+        """
         requests, answers = self._process.stdin, self._process.stdout
         assert requests is not None
         assert answers is not None
@@ -69,9 +72,9 @@ class WriterProcess:
             raise StoreError(told)
 
     def close(self) -> None:
-        """End the process, which has nothing to do when `adopt` has returned."""
+        """End the process, which has nothing to do when `append_arrays` has returned."""
         self._process.kill()
-        # What a broken pipe did not take was told of by `adopt`.
+        # What a broken pipe did not take was told of by `append_arrays`.
         with suppress(BrokenPipeError), self._process:
             pass
 
@@ -84,7 +87,7 @@ def serve(path: str, requests: IO[bytes], answers: IO[bytes]) -> None:
             recorded = pickle.load(requests)
             told = None
             try:
-                EpisodeStore(path).adopt(recorded)
+                EpisodeStore(path).append_arrays(recorded)
             except SheathError as error:
                 told = str(error)
             _send(told, answers)

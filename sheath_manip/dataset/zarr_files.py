@@ -61,7 +61,7 @@ def array_files(values: NDArray, chunks: tuple[int, ...]) -> dict[str, bytes]:
 
 
 def within(folder: str, files: Files) -> dict[str, bytes]:
-    """The same files, in a `folder`."""
+    """Return the same files, in a `folder`."""
     return {f"{folder}/{path}": content for path, content in files.items()}
 
 

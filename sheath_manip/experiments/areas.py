@@ -13,7 +13,7 @@ COMPARED_TO = "dagger"
 
 
 def areas(results: Mapping[str, Sequence[RoundResult]], metric: str) -> dict[str, dict[str, Any]]:
-    """By method: what its rounds from 1 on amount to, executed and of the policy alone.
+    """Return, by method, what its rounds from 1 on amount to, executed and of the policy alone.
 
     Each has the mean over training runs of the run's mean of `metric` over its rounds (of a round's
     episodes, their mean), and `minus_dagger`, the mean of what a run has more than DAgger's of the

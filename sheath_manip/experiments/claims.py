@@ -79,7 +79,7 @@ def verdicts(results: Path, claims: Mapping[str, Iterable[Claim]]) -> list[Verdi
 
 
 def print_claims(found: Iterable[Verdict], console: Console) -> int:
-    """One line a claim; 1 where one does not hold."""
+    """Print one line a claim; return 1 where one does not hold."""
     grid = Table("result", "claim", "value", "goal", "holds", box=None)
     broken = 0
     for verdict in found:

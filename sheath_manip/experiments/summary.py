@@ -34,7 +34,9 @@ def summarise(
     metric: str | None = None,
     references: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Everything that an experiment showed, as plain values that JSON keeps; null stands for NaN.
+    """Return everything that an experiment showed, as plain values that JSON keeps.
+
+    Null stands for NaN.
 
     Args:
         task_name: becomes the experiment's name.
@@ -68,7 +70,7 @@ def summarise(
 
 
 def program() -> dict[str, Any]:
-    """What must be equal for the same command to give the same result to the bit.
+    """Return what must be equal for the same command to give the same result to the bit.
 
     `git` is None where an installed wheel ran, `version` where nothing is installed; `threads` are
     those of torch and BLAS.

@@ -8,7 +8,7 @@ from rich.table import Table
 
 
 def table(summary: Mapping[str, Any]) -> Table:
-    """Of a summary; fits a terminal of 80 columns."""
+    """Return the table of a summary; it fits a terminal of 80 columns."""
     metric = summary["metric"]
     grid = Table(
         title=f"{summary['experiment']}: training seeds {seeds_shown(summary['seeds'])}",
@@ -56,7 +56,7 @@ def table(summary: Mapping[str, Any]) -> Table:
 
 
 def seeds_shown(seeds: Sequence[int]) -> str:
-    """In a line: `0, 1, 2`, but `0..49` for more than four that follow each other."""
+    """Return the seeds in a line: `0, 1, 2`, but `0..49` for more than four in a row."""
     if len(seeds) > 4 and list(seeds) == list(range(seeds[0], seeds[0] + len(seeds))):
         return f"{seeds[0]}..{seeds[-1]}"
     return ", ".join(map(str, seeds))

@@ -44,7 +44,7 @@ def run_jobs(
 def in_stages(
     stages: Sequence[Sequence[AnyJob]],
 ) -> tuple[Sequence[AnyJob], Callable[[AnyJob], Sequence[AnyJob]]]:
-    """For `run_jobs`: the first stage, and what gives the next one once a stage is through."""
+    """Return the first stage for `run_jobs`, and what gives the next once one is through."""
     waiting = [list(stage) for stage in stages if stage]
     running = [len(waiting[0])] if waiting else [0]
 

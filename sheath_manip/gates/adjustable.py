@@ -22,7 +22,10 @@ class Boundary:
     """and at most"""
 
     def at(self, threshold: float) -> "Boundary":
-        """The same with another threshold, clamped; ParameterError where it is no number."""
+        """Return this boundary with another threshold, clamped.
+
+        Raises ParameterError where it is no number.
+        """
         if not np.isfinite(threshold):
             raise ParameterError(f"threshold is {threshold}; wanted a finite score, like 0.0")
         return replace(self, threshold=min(max(threshold, self.lowest), self.highest))
@@ -47,7 +50,7 @@ class Adjustable:
         self.gate.reset(rng)
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
-        """As the gate decides."""
+        """Decide as the gate does."""
         boundary = self.dial.boundary
         self.gate.judge, self.gate.threshold = boundary.judge, boundary.threshold
         return self.gate.decide(observation, proposal)

@@ -24,33 +24,33 @@ USED = (
 
 @dataclass(frozen=True)
 class GateConfig:
-    """What the gate looks at, where it draws the line, and how a takeover ends."""
+    """The gate's settings: what it looks at, where it draws the line, and how a takeover ends."""
 
     kind: str = "support"
-    """who decides: support (SHEATH), query-filter (SHIV), expert, mixture (at random, DAgger's and
-    SMILe's), random-takeover or human; only the first two judge by a signal"""
+    """gate that decides who acts: support (SHEATH), query-filter (SHIV), expert, mixture (at
+    random, DAgger's and SMILe's), random-takeover or human; only the first two judge by a signal"""
     expert_share: float = 0.0
-    """0 .. 1, of the steps, for a mixture or a random takeover"""
+    """expert's share of the steps in a mixture or a random takeover, 0 .. 1"""
     signal: str = "joined"
-    """what the gate looks at, as `sheath tasks` lists it: the support, the precedent of the
+    """signal that the gate looks at, as `sheath tasks` lists it: the support, the precedent of the
     proposed action, or both joined; for continuous actions the precedent is a near one"""
     embedding: str = "convolutions-and-pixels"
-    """on which the support is estimated, as `sheath tasks` lists it"""
+    """embedding on which the support is estimated, as `sheath tasks` lists it"""
     precedent_embedding: str = "foveal-convolutions"
-    """in which precedents of the policy's action are looked for"""
+    """embedding in which precedents of the policy's action are looked for"""
     support: SupportConfig = field(default_factory=SupportConfig)
     threshold: ThresholdConfig = field(default_factory=ThresholdConfig)
     release_rate: float = 0.0
     """share of new expert steps below the score at which the expert hands back (LazyDAgger), where
     that is above the threshold"""
     release_margin: float = 0.0
-    """>= 0, in units of the score: how far above that it must be besides"""
+    """distance, >= 0 in units of the score, by which a state must be above the score of release"""
     quiet_steps: int = 0
-    """how many such steps in a row before the expert hands back"""
+    """steps in a row above the score of release before the expert hands back"""
     minimum_hold_steps: int = 0
-    """for how many steps at least the expert acts once it has taken over"""
+    """least number of steps for which the expert acts once it has taken over"""
     labels: str = "all"
-    """all (the expert labels every state) or own (only those in which it acts)"""
+    """states that the expert labels: all, or own (only those in which it acts)"""
 
     def __post_init__(self) -> None:
         if not 0 <= self.expert_share <= 1:

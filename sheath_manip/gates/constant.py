@@ -9,7 +9,7 @@ class AlwaysExpert:
     """The expert acts at every step: demonstrations and behaviour cloning."""
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is nothing to forget."""
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Always the expert, always labelled."""
@@ -25,7 +25,7 @@ class AlwaysPolicy:
         self.query = query
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is nothing to forget."""
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Always the policy; the expert only where there is no proposal."""

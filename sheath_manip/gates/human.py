@@ -29,7 +29,7 @@ class Person(Protocol):
         ...
 
     def wants(self, observation: Observation, proposed: Action) -> bool:
-        """Whether the person drives this step."""
+        """Return whether the person drives this step."""
         ...
 
 
@@ -81,7 +81,7 @@ class ScriptedPerson:
         self._left = 0
 
     def wants(self, observation: Observation, proposed: Action) -> bool:
-        """Whether the expert would do otherwise now, or would have a moment ago."""
+        """Return whether the expert would do otherwise now, or would have a moment ago."""
         apart = np.abs(self.expert.act(observation) - proposed)
         if (apart > self.tolerance).any():
             self._left = self.hold_steps
@@ -94,13 +94,13 @@ class Nobody:
     """Never takes over."""
 
     def reset(self) -> None:
-        """There is nobody to tell."""
+        """Do nothing: there is nobody to tell."""
 
     def wants(self, observation: Observation, proposed: Action) -> bool:  # noqa: ARG002
-        """No."""
+        """Return False: nobody ever takes over."""
         return False
 
 
 def attentive_person(expert: Expert, action: ActionSpec) -> ScriptedPerson:
-    """One who lets pass what the task counts as the same action, and nothing else."""
+    """Return a person who lets pass what the task counts as the same action, and nothing else."""
     return ScriptedPerson(expert, 1e-6 + action.tolerance * (action.maximum - action.minimum))

@@ -25,7 +25,7 @@ class Mixture:
         self._rng = rng
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
-        """One draw a step; the expert in any case where there is no proposal."""
+        """Decide by one draw a step; the expert in any case where there is no proposal."""
         del observation
         # Drawn first, so that an invalid proposal does not shift the draws that follow.
         drawn = self._rng.random() < self.beta

@@ -23,7 +23,7 @@ class QueryFilter:
         self._support = SupportGate(judge, threshold)
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is nothing to forget."""
         self._support.reset(rng)
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:

@@ -31,7 +31,7 @@ class RandomTakeover:
         self._mixture.reset(rng)
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
-        """One draw a step; the expert in any case where there is no proposal."""
+        """Decide by one draw a step; the expert in any case where there is no proposal."""
         decision = self._mixture.decide(observation, proposal)
         query = self.query or decision.actor is Actor.EXPERT
         return replace(decision, query=query)

@@ -1,4 +1,4 @@
-"""How much to learn and with what: the settings of one experiment."""
+"""The settings of one experiment: how much to learn and with what."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -14,29 +14,30 @@ Config = TypeVar("Config")
 
 @dataclass(frozen=True)
 class Schedule:
-    """What is demonstrated, and the rounds that follow."""
+    """A schedule of learning: what is demonstrated, and the rounds that follow."""
 
     demonstrations: int = 10
     """expert episodes before round 1"""
     demonstration_noise: float = 0.0
-    """with which their actions are disturbed, as a share of half the actions' range (DART)"""
+    """noise on the demonstrations' actions, as a share of half the actions' range (DART)"""
     calibration: int = 30
     """held-out expert episodes for the threshold, at least 3; steps of one resemble each other, so
     three will do but ten still miss the asked rate by five points, and twenty by three"""
     false_alarm_episodes: int = 20
     """further held-out expert episodes, to measure false alarms"""
     rounds: int = 8
-    """after the demonstrations"""
+    """number of rounds after the demonstrations"""
     episodes: int = 8
-    """in a round"""
+    """number of episodes per round"""
     stop_below_loss: float = 0.0
     """end the rounds once the surrogate loss of a round is below this"""
     beta: float = 0.5
-    """with which DAgger's mixture decays: in round i the expert acts with probability beta^i"""
+    """decay of DAgger's mixture: in round i the expert acts with probability beta^i"""
     alpha: float = 0.1
     """SMILe's share of the newest policy in what was the expert's"""
     variant: str = "default"
-    """of the task, to learn and be judged on; one of its `run_variants` is made for each run"""
+    """variant of the task to learn and be judged on; one of its `run_variants` is made for each
+    run"""
 
     def __post_init__(self) -> None:
         _at_least_one(self, ("rounds", "episodes", "demonstrations", "false_alarm_episodes"))
@@ -57,20 +58,20 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What is held against what, on which scenes."""
+    """A comparison: what is held against what, on which scenes."""
 
     methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
-    """as `sheath tasks` lists them"""
+    """names of the methods, as `sheath tasks` lists them"""
     seeds: tuple[int, ...] = (0, 1, 2)
-    """of training runs"""
+    """seeds of the training runs"""
     evaluation_episodes: int = 20
     """scenes on which the policy alone is judged after each round"""
     final_episodes: int = 20
     """scenes of the final variant on which the last policy is judged"""
     final_variant: str = "final"
-    """of the task, on which the last policy is judged"""
+    """variant of the task on which the last policy is judged"""
     held_out_set: str = "held-out"
-    """which evaluation scenes; tuning uses another name"""
+    """name of the set of evaluation scenes; tuning uses another"""
 
     def __post_init__(self) -> None:
         for name in ("methods", "seeds"):
@@ -89,7 +90,7 @@ class LearningPlan:
     comparison: Comparison = field(default_factory=Comparison)
 
     def units(self) -> int:
-        """How many episodes and fits the whole experiment runs (repeated preparation included)."""
+        """Return how many episodes and fits the experiment runs, repeated preparation included."""
         schedule, comparison = self.schedule, self.comparison
         held_out = schedule.calibration + schedule.false_alarm_episodes
         prepare = schedule.demonstrations + held_out + 1
@@ -107,7 +108,7 @@ class LearningPlan:
         return _changed(self, parts)
 
     def described(self) -> dict[str, Any]:
-        """As plain values, for summaries and for recognising a run that is resumed."""
+        """Return plain values, for summaries and for recognising a run that is resumed."""
         return dataclasses.asdict(self)
 
 

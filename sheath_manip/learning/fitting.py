@@ -1,4 +1,4 @@
-"""From a fitted policy to its gate: signal and threshold, each state looked at once."""
+"""Fits the gate of a fitted policy: signal and threshold, each state looked at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from sheath_manip.protocols import Agreement, Refits, Signal, TrainablePolicy
 from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
-    or_nothing_inside,
+    or_reject_all,
     planned_threshold,
 )
 from sheath_manip.types.samples import Samples
@@ -172,6 +172,6 @@ def _with_threshold(
     threshold = planned_threshold(held_out, met, config.threshold)
     margin = 0.0
     if config.release_rate > 0:
-        release = or_nothing_inside(lambda: held_out_threshold(held_out, config.release_rate))
+        release = or_reject_all(lambda: held_out_threshold(held_out, config.release_rate))
         margin = max(0.0, release - threshold)
     return replace(fitted, threshold=threshold, release_margin=margin)

@@ -76,12 +76,12 @@ def read_result(path: Path) -> RoundResult:
 
 
 def round_path(runs: Path, run_seed: int, method: str, number: int, suffix: str) -> Path:
-    """Where a round's checkpoint (`npz`) or its figures (`json`) lie under `runs`."""
+    """Return where a round's checkpoint (`npz`) or its figures (`json`) lie under `runs`."""
     return runs / f"s{run_seed}" / method / f"round-{number:02d}.{suffix}"
 
 
 def round_results(runs: Path, run_seed: int, method: str) -> list[RoundResult]:
-    """All rounds that a method has finished, the shared round 0 first."""
+    """Return all rounds that a method has finished, the shared round 0 first."""
     results = [read_result(round_path(runs, run_seed, EXPERT, 0, "json"))]
     while (path := round_path(runs, run_seed, method, len(results), "json")).exists():
         results.append(read_result(path))

@@ -17,7 +17,7 @@ from sheath_manip.types.samples import Samples, visited_from
 
 @dataclass(frozen=True)
 class RoundMetrics:
-    """Of one round; the fields are those of `RoundResult`."""
+    """Metrics of one round; the fields are those of `RoundResult`."""
 
     false_alarm_rate: float
     missed_rate: float

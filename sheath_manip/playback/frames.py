@@ -24,7 +24,7 @@ WHITE = (255, 255, 255)
 
 
 def seen(film: Film) -> Pictures:
-    """What the cameras saw, side by side; raises ParameterError where there was none."""
+    """Return what the cameras saw, side by side; raises ParameterError where there was none."""
     if not film.steps or not film.steps[0].observation.images:
         raise ParameterError(
             f"{film.info.task} was seen by no camera; wanted recorded images, or a `picture` in "

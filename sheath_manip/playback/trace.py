@@ -96,7 +96,7 @@ class GrowingTrace:
         self._length += 1
 
     def so_far(self) -> Trace:
-        """What has been appended; it does not change any more."""
+        """Return what has been appended; it does not change any more."""
         return self._columns.until(self._length)
 
 

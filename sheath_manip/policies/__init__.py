@@ -84,6 +84,9 @@ def make_embedding(name: str = DEFAULT_EMBEDDING) -> Embedding:
 
 
 def embeddings_like(name: str) -> list[str]:
-    """All of the house that look at the same part of the observation; of another's, itself."""
+    """Return the embeddings of the house that look at the same part of the observation.
+
+    For an embedding from outside, the embedding itself is returned.
+    """
     tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
     return next((list(table) for table in tables if name in table), [name])

@@ -9,12 +9,12 @@ from sheath_manip.exceptions import ParameterError
 
 @dataclass(frozen=True)
 class PolicyConfig:
-    """What `make_policy` makes: a name in POLICIES and the values that it is called with."""
+    """A choice for `make_policy`: a name in POLICIES and the values that it is called with."""
 
     name: str = "cnn"
-    """as `sheath tasks` lists it"""
+    """policy to fit, as `sheath tasks` lists it"""
     settings: Mapping[str, Any] = field(default_factory=dict)
-    """hyperparameters of that policy, by name"""
+    """hyperparameters of the policy, by name"""
 
     def __post_init__(self) -> None:
         if not isinstance(self.settings, Mapping):

@@ -64,7 +64,7 @@ class PooledConvolutions(ScaledEmbedding):
 
 @final
 class RandomConvolutions(ScaledEmbedding):
-    """As `PooledConvolutions`, in a network of the policy's shape that never learned anything.
+    """`PooledConvolutions` of a network of the policy's shape that never learned anything.
 
     What is left of the policy is its architecture: kept to compare, since a gate need not look
     through what was trained for the action. The weights come from a fixed seed.

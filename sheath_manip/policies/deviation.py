@@ -9,7 +9,7 @@ from sheath_manip.types import ActionSpec
 def largest_deviations(
     action: ActionSpec, predicted: NDArray, labels: NDArray
 ) -> NDArray[np.float32]:
-    """(n,) in 0..1: how far (n, a) predictions are from their labels in the worst dimension.
+    """Return (n,) in 0..1: how far (n, a) predictions are from labels in the worst dimension.
 
     As a share of the dimension's range, so that units do not matter; the worst one, since a robot
     that is right in six dimensions and wrong in the seventh is wrong.

@@ -46,12 +46,12 @@ class EgocentricPolicy(Memoryless):
         self.seed = seed
         self.view = ToolView(spec, side_px, px_m)
         settings = {**SETTINGS, **self.spatial_settings}
-        self.seeing = SpatialPolicy(self.view.spec, seed=seed, **settings)
+        self.inner = SpatialPolicy(self.view.spec, seed=seed, **settings)
         """what it sees from the tool it leaves to this one"""
 
     def fit(self, samples: Samples) -> Self:
         """Fit to (n, a) labels; ParameterError for none."""
-        self.seeing.fit(self.view.samples(samples))
+        self.inner.fit(self.view.samples(samples))
         return self
 
     def predict(self, observations: Observations) -> Proposal:
@@ -66,7 +66,7 @@ class EgocentricPolicy(Memoryless):
             {camera: self.view.images(observations.images[camera], features)},
             self.view.features(features),
         )
-        seen = self.seeing.predict(shown)
+        seen = self.inner.predict(shown)
         low, high = self.spec.action.minimum, self.spec.action.maximum
         actions = np.clip(self.view.actions_in_world(seen.now, features), low, high)
         looked_at = {"tool images": shown.images, "tool features": shown.features}
@@ -81,10 +81,10 @@ class EgocentricPolicy(Memoryless):
         return largest_deviations(self.spec.action, proposal.now, labels)
 
     def arrays(self) -> Arrays:
-        """Those of the policy that sees."""
-        return self.seeing.arrays()
+        """Return the arrays of the policy that sees."""
+        return self.inner.arrays()
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
-        self.seeing.load(arrays)
+        self.inner.load(arrays)
         return self

@@ -41,7 +41,7 @@ class Features:
         return ()
 
     def fit(self, seen: Seen) -> Self:
-        """There is nothing to learn."""
+        """Return self: there is nothing to learn."""
         del seen
         return self
 
@@ -50,10 +50,10 @@ class Features:
         return np.asarray(seen.features, dtype=np.float32)
 
     def arrays(self) -> Arrays:
-        """Nothing is learned."""
+        """Return no arrays, since nothing is learned."""
         return {}
 
     def load(self, arrays: Arrays) -> Self:
-        """There is nothing to take over."""
+        """Do nothing: there is nothing to take over."""
         del arrays
         return self

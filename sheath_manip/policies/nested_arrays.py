@@ -5,15 +5,15 @@ from collections.abc import Mapping
 from sheath_manip.protocols import Arrays
 
 
-def prefixed(parts: Mapping[str, Arrays]) -> Arrays:
-    """All arrays of all parts, each named `part/array`."""
+def flatten(parts: Mapping[str, Arrays]) -> Arrays:
+    """Return all arrays of all parts, each named `part/array`."""
     return {
         f"{name}/{key}": array for name, arrays in parts.items() for key, array in arrays.items()
     }
 
 
-def part(arrays: Arrays, name: str) -> Arrays:
-    """Those of one part, under their own names again."""
+def subtree(arrays: Arrays, name: str) -> Arrays:
+    """Return the arrays of one part, under their own names again."""
     start = f"{name}/"
     return {
         key.removeprefix(start): array for key, array in arrays.items() if key.startswith(start)

@@ -76,7 +76,7 @@ class ConvNetwork(nn.Module):
         return outputs
 
     def logits(self, last: torch.Tensor) -> torch.Tensor:
-        """(n, classes) of the last convolution layer's (n, c, h, w) output."""
+        """Return the (n, classes) logits of the last convolution layer's (n, c, h, w) output."""
         return self.head(self.rectified(last))
 
     def forward(self, images: torch.Tensor, dtype=torch.float32) -> torch.Tensor:

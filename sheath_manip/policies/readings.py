@@ -31,7 +31,7 @@ def numbered_layers(proposal: Proposal) -> list[torch.Tensor]:
 
 
 def layers_by_camera(proposal: Proposal) -> dict[str, torch.Tensor]:
-    """(n, c, h, w) by camera, what its last convolution layer made of the image.
+    """Return (n, c, h, w) by camera, what its last convolution layer made of the image.
 
     Raises ParameterError where the policy has none such.
     """
@@ -178,7 +178,10 @@ class SeenFromTool:
     reader: Reader
 
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
-        """As the other reader's; ParameterError where the policy does not look from a tool."""
+        """Return the other reader's reading.
+
+        Raises ParameterError where the policy does not look from a tool.
+        """
         del observations
         latents = proposal.latents
         if "tool images" not in latents:

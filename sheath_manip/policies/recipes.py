@@ -26,7 +26,7 @@ linear_svm_paper = partial(LinearSvm, penalty=0.01)
 
 
 def convolutions_and_pixels() -> SideBySide:
-    """What the policy makes of the image, the image itself, and its middle more closely.
+    """Embed what the policy makes of the image, the image itself, and its middle more closely.
 
     Of two views that know different things the joined distances know both: the whole image that the
     robot stands askew, its middle what is near.
@@ -72,12 +72,12 @@ def _and_features(seen: Embedding) -> SideBySide:
 
 
 def image_points() -> SideBySide:
-    """Where the policy looks in its cameras, and the features."""
+    """Embed where the policy looks in its cameras, and the features."""
     return _and_features(ImagePoints())
 
 
 def image_points_whitened() -> SideBySide:
-    """Where the policy looks in its cameras, whitened, and the features."""
+    """Embed where the policy looks in its cameras, whitened, and the features."""
     return _and_features(ImagePoints(Whitening()))
 
 
@@ -102,12 +102,12 @@ def pixels_and_features() -> SideBySide:
 
 
 def tool_points() -> FromTool:
-    """Where the policy looks, in the tool's frame."""
+    """Embed where the policy looks, in the tool's frame."""
     return FromTool(ImagePoints())
 
 
 def tool_points_whitened() -> FromTool:
-    """Where the policy looks, in the tool's frame, whitened."""
+    """Embed where the policy looks, in the tool's frame, whitened."""
     return FromTool(ImagePoints(Whitening()))
 
 

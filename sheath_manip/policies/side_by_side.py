@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
@@ -36,7 +36,7 @@ class SideBySide:
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether any part does."""
+        """Whether any part's `fit` needs `Seen.displaced`."""
         return any(embedding.uses_displaced for embedding in self.embeddings.values())
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -65,15 +65,15 @@ class SideBySide:
         return np.concatenate(parts, axis=1)
 
     def arrays(self) -> Arrays:
-        """Those of each part, and the parts' factors."""
+        """Return the arrays of each part, and the parts' factors."""
         learned = {name: embedding.arrays() for name, embedding in self.embeddings.items()}
         factors = {f"factor/{name}": np.array(factor) for name, factor in self.factors_.items()}
-        return {**prefixed(learned), **factors}
+        return {**flatten(learned), **factors}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
         for name, embedding in self.embeddings.items():
-            embedding.load(part(arrays, name))
-        factors = part(arrays, "factor")
+            embedding.load(subtree(arrays, name))
+        factors = subtree(arrays, "factor")
         self.factors_ = {name: np.float32(factors[name]) for name in self.embeddings}
         return self

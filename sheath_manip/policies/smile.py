@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import choices_of, nearest_choices
-from sheath_manip.policies.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, TrainablePolicy
 from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
@@ -35,7 +35,7 @@ def member_weights(alpha: float, members: int) -> NDArray[np.float64]:
 
 def as_first_member(arrays: Arrays) -> Arrays:
     """The learned state of the mixture of one policy with that learned state."""
-    return prefixed({"0": arrays})
+    return flatten({"0": arrays})
 
 
 class SmileMixture:
@@ -124,14 +124,14 @@ class SmileMixture:
         return member_weights(self.alpha, len(self.members_))
 
     def arrays(self) -> Arrays:
-        """Those of each policy, by its number."""
+        """Return the arrays of each policy, by its number."""
         self.weights()
-        return prefixed({str(j): member.arrays() for j, member in enumerate(self.members_)})
+        return flatten({str(j): member.arrays() for j, member in enumerate(self.members_)})
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
         numbers = sorted({int(name.partition("/")[0]) for name in arrays})
-        self.members_ = [self._fresh().load(part(arrays, str(number))) for number in numbers]
+        self.members_ = [self._fresh().load(subtree(arrays, str(number))) for number in numbers]
         return self
 
     def _said(self, observations: Observations) -> NDArray[np.float32]:

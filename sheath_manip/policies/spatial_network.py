@@ -90,7 +90,7 @@ class SpatialNetwork(nn.Module):
         return self.outputs(self.activations(images, dtype), features)
 
     def outputs(self, layers: Mapping[str, torch.Tensor], features: torch.Tensor) -> torch.Tensor:
-        """(n, outputs) of the cameras' `activations`."""
+        """Return the (n, outputs) of the cameras' `activations`."""
         points = [image_points(layer) for layer in layers.values()]
         cells = torch.cat([torch.relu(layer).flatten(1) for layer in layers.values()], dim=1)
         seen = torch.relu(self.look(cells)).float()
@@ -101,7 +101,7 @@ class SpatialNetwork(nn.Module):
 
 
 class Eye(nn.Module):
-    """What one camera's image becomes."""
+    """The encoder of one camera's image."""
 
     def __init__(self, channels: Sequence[int]) -> None:
         super().__init__()
@@ -113,7 +113,7 @@ class Eye(nn.Module):
         )
 
     def forward(self, images: torch.Tensor, dtype=torch.float32) -> torch.Tensor:
-        """(n, channels[-1], h, w) of (n, H, W, 3) uint8 images."""
+        """Return (n, channels[-1], h, w) of (n, H, W, 3) uint8 images."""
         # Centred on 128 the grey values stay exact in bfloat16.
         outputs = images.permute(0, 3, 1, 2).to(dtype).sub_(128).div_(128)
         for number, convolution in enumerate(self.convolutions):
@@ -122,7 +122,10 @@ class Eye(nn.Module):
 
 
 def image_points(layer: torch.Tensor) -> torch.Tensor:
-    """(n, 2c) for (n, c, h, w): x, then y, of where each channel responds; -1..1 over the image."""
+    """Return (n, 2c) for (n, c, h, w): x, then y, of where each channel responds.
+
+    The image spans -1..1.
+    """
     shares = torch.softmax(layer.flatten(2).float(), dim=2).view(layer.shape)
     x = torch.linspace(-1, 1, layer.shape[3])
     y = torch.linspace(-1, 1, layer.shape[2])

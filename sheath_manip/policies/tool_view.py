@@ -62,7 +62,7 @@ class ToolView:
         """of what is seen from the tool"""
 
     def images(self, images: NDArray[np.uint8], features: NDArray) -> NDArray[np.uint8]:
-        """(n, side_px, side_px, 3) for (n, h, w, 3) images of the camera and (n, f) features."""
+        """Return (n, side_px, side_px, 3) of the camera's (n, h, w, 3) and (n, f) features."""
         seen = np.empty((len(images), self.side_px, self.side_px, 3), np.uint8)
         tool_in_world = np.zeros((len(images), 3, 3))
         tool_in_world[:, :2, :2] = self._rotations(features)
@@ -80,7 +80,7 @@ class ToolView:
         return seen
 
     def features(self, features: NDArray) -> NDArray[np.float32]:
-        """(n, f') of (n, f): those that say neither where the tool is nor how it heads."""
+        """Return (n, f') of (n, f), those that say neither where the tool is nor how it heads."""
         return np.ascontiguousarray(features[:, self._others], np.float32)
 
     def actions(self, actions: NDArray, features: NDArray) -> NDArray[np.float32]:
@@ -92,7 +92,7 @@ class ToolView:
         return self._turned(actions, self._rotations(features))
 
     def samples(self, samples: Samples) -> Samples:
-        """The same states and labels, seen from the tool."""
+        """Return the same states and labels, seen from the tool."""
         camera = self.frame.camera
         return replace(
             samples,
@@ -114,7 +114,7 @@ class ToolView:
         return turned
 
     def _turnable(self, action: ActionSpec) -> ActionSpec:
-        """With bounds that hold whichever way the vector of an admissible action is turned."""
+        """Return bounds that hold whichever way the vector of an admissible action is turned."""
         minimum, maximum = action.minimum.copy(), action.maximum.copy()
         if self._vector:
             largest = np.maximum(-minimum, maximum)[self._vector]

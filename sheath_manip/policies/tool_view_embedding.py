@@ -35,7 +35,7 @@ class FromTool:
                 "an embedding of what is seen from the tool needs the policy egocentric-cnn, "
                 f"not {type(policy).__name__}; use the embedding 'pixels'"
             )
-        inner = self.embedding.attach(policy.seeing)
+        inner = self.embedding.attach(policy.inner)
         self._readers = tuple(SeenFromTool(reader) for reader in inner)
         return self._readers
 
@@ -58,7 +58,7 @@ class FromTool:
         return self
 
     def _shown(self, seen: Seen) -> Seen:
-        """As the other embedding knows its readings."""
+        """Look up readings as the other embedding does."""
         readings: dict[Hashable, NDArray] = {
             reader.reader: seen.readings[reader]
             for reader in self._readers

@@ -15,7 +15,7 @@ class LooksAtFeatures(Protocol):
     """A policy that can say how much it makes of each feature."""
 
     def feature_weights(self) -> NDArray[np.float32]:
-        """(f,) at least 0."""
+        """Return (f,) weights, at least 0."""
         ...
 
 

@@ -44,7 +44,7 @@ class Teleop(Protocol):
 
     @property
     def guide(self) -> tuple[Binding, ...]:
-        """Which keys it knows."""
+        """The keys that the device knows."""
         ...
 
     @property

@@ -34,7 +34,7 @@ class Environment(Protocol):
         ...
 
     def outcome(self) -> Outcome:
-        """How the episode stands: TIME_LIMIT until it succeeds or fails."""
+        """Return how the episode stands: TIME_LIMIT until it succeeds or fails."""
         ...
 
     def metrics(self) -> Mapping[str, float]:
@@ -54,11 +54,14 @@ class Environment(Protocol):
         ...
 
     def pose(self) -> ScenePose:
-        """How the scene stands now."""
+        """Return how the scene stands now."""
         ...
 
     def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
-        """How it stood in `state`, at which the episode then stands; nothing is observed."""
+        """Return how the scene stood in `state`, at which the episode then stands.
+
+        Nothing is observed.
+        """
         ...
 
     def close(self) -> None:

@@ -36,7 +36,7 @@ class TrainablePolicy(Policy, Protocol):
         ...
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
-        """(n,) in 0..1: how far each predicted action is from its (n, a) label."""
+        """Return (n,) losses in 0..1: how far each predicted action is from its (n, a) label."""
         ...
 
     def arrays(self) -> Arrays:

@@ -28,7 +28,7 @@ class Ticket:
 
     @property
     def name(self) -> str:
-        """Of its episode."""
+        """The name of the episode."""
         return episode_name(self.errand.request.info)
 
 
@@ -82,7 +82,7 @@ class Crowd:
 
     @property
     def process_ids(self) -> list[int]:
-        """Of the workers that run now."""
+        """The process ids of the workers that run now."""
         return [each.process.pid for each in list(self._hired) if each.process.pid is not None]
 
     # What follows belongs to the dispatching thread.

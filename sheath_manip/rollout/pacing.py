@@ -40,4 +40,4 @@ class Pacing:
         time.sleep(self._due_s - now_s)
 
     def on_end(self, episode: Episode) -> None:
-        """Nothing to wait for."""
+        """Do nothing: an end has nothing to wait for."""

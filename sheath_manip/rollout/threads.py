@@ -22,7 +22,7 @@ def one_thread_by_default() -> None:
 
 @contextmanager
 def single_threaded() -> Iterator[None]:
-    """One thread for torch and BLAS while rollouts run.
+    """Allow torch and BLAS one thread while rollouts run.
 
     Two threads beside another busy process made a 0.2 ms forward take 33 ms.
     """

@@ -11,7 +11,7 @@ from sheath_manip.registry import Registry
 
 @dataclass(frozen=True)
 class SignalChoice:
-    """Which signal, made of what: enough to make it again before its learned state is loaded."""
+    """A signal and what it is made of: enough to make it before its learned state is loaded."""
 
     signal: str
     """name in SIGNALS"""

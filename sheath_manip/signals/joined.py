@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Agreement, Arrays, Reader, Refits, Signal, TrainablePolicy
 from sheath_manip.types import Reason
@@ -75,7 +75,7 @@ class JoinedSignal:
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether any of them does."""
+        """Whether any signal's `fit` needs `Seen.displaced`."""
         return any(signal.uses_displaced for signal in self.signals.values())
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -138,16 +138,16 @@ class JoinedSignal:
         return self.signals[rarest].blames(measures[place : place + 1])
 
     def arrays(self) -> Arrays:
-        """Those of each signal, and the (m,) sorted scores of the held-out expert steps."""
+        """Return each signal's arrays, and the (m,) sorted scores of held-out expert steps."""
         learned = {name: signal.arrays() for name, signal in self.signals.items()}
         references = {f"reference/{name}": each.scores for name, each in self.references_.items()}
-        return {**prefixed(learned), **references}
+        return {**flatten(learned), **references}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
         for name, signal in self.signals.items():
-            signal.load(part(arrays, name))
-        references = part(arrays, "reference")
+            signal.load(subtree(arrays, name))
+        references = subtree(arrays, "reference")
         self.references_ = {
             name: Reference.of(np.asarray(references[name], float)) for name in self.signals
         }

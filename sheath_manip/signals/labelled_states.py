@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
 
@@ -61,11 +61,11 @@ class LabelledStates:
     def arrays(self) -> Arrays:
         """The embedding's, the (m, d) vectors and the (m, a) labels."""
         learned = {"vectors": self.vectors_, "labels": self.labels_}
-        return {**prefixed({"embedding": self.embedding.arrays()}), **learned}
+        return {**flatten({"embedding": self.embedding.arrays()}), **learned}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
-        self.embedding.load(part(arrays, "embedding"))
+        self.embedding.load(subtree(arrays, "embedding"))
         return self._take(arrays["vectors"], arrays["labels"])
 
     def _take(self, vectors: NDArray, labels: NDArray) -> Self:
@@ -84,5 +84,5 @@ class LabelledStates:
 
 
 def distances(squares: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Their roots."""
+    """Return the distances, roots of the squared ones."""
     return np.sqrt(np.maximum(squares, 0)).astype(np.float64)

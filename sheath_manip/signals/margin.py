@@ -31,21 +31,21 @@ class MarginSignal(SingleMeasure):
         return (CHOICE_SCORES,)
 
     def fit(self, labels: NDArray, seen: Seen, agreement: Agreement | None = None) -> Self:
-        """There is nothing to fit."""
+        """Return self: there is nothing to fit."""
         del labels, seen, agreement
         return self
 
     def score(self, seen: Seen) -> NDArray[np.float64]:
-        """(n,) at least 0; inf where no other choice was ever asked for."""
+        """Return (n,) margins of at least 0; inf where no other choice was ever asked for."""
         scores = seen.of((CHOICE_SCORES,)).astype(np.float64)
         best = np.partition(scores, -2, axis=1)
         return best[:, -1] - best[:, -2]
 
     def arrays(self) -> Arrays:
-        """Nothing is learned: all that it knows is the policy's."""
+        """Return no arrays, since nothing is learned: all that it knows is the policy's."""
         return {}
 
     def load(self, arrays: Arrays) -> Self:
-        """There is nothing to take over."""
+        """Do nothing: there is nothing to take over."""
         del arrays
         return self

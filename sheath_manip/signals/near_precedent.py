@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import (
     Agreement,
     Arrays,
@@ -46,7 +46,7 @@ class NearPrecedentSignal(SingleMeasure):
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether the embedding does."""
+        """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -81,11 +81,11 @@ class NearPrecedentSignal(SingleMeasure):
             "unit": np.array(self.unit_),
             "action_units": self.action_units_,
         }
-        return {**prefixed({"embedding": self.embedding.arrays()}), **learned}
+        return {**flatten({"embedding": self.embedding.arrays()}), **learned}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
-        self.embedding.load(part(arrays, "embedding"))
+        self.embedding.load(subtree(arrays, "embedding"))
         self.unit_ = np.float32(arrays["unit"])
         self.action_units_ = np.asarray(arrays["action_units"], np.float32)
         return self._take(arrays["joined"])

@@ -25,7 +25,7 @@ class PrecedentSignal(SingleMeasure):
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether the embedding does."""
+        """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.states.embedding.uses_displaced
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -44,7 +44,7 @@ class PrecedentSignal(SingleMeasure):
         return np.concatenate([np.empty(0), *parts])
 
     def arrays(self) -> Arrays:
-        """Those of `LabelledStates`."""
+        """Return the arrays of `LabelledStates`."""
         return self.states.arrays()
 
     def load(self, arrays: Arrays) -> Self:

@@ -26,7 +26,7 @@ def support(choice: SignalChoice, embedding: MakeEmbedding) -> SupportSignal:
 
 
 def precedent(choice: SignalChoice, embedding: MakeEmbedding) -> PrecedentSignal:
-    """Whether the expert ever did as the policy proposes, near this state."""
+    """Judge whether the expert ever did as the policy proposes, near this state."""
     return PrecedentSignal(embedding(choice.precedent_embedding))
 
 
@@ -37,7 +37,7 @@ def joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal:
 
 
 def trust(choice: SignalChoice, embedding: MakeEmbedding) -> TrustSignal:
-    """How much farther states are in which the expert did otherwise."""
+    """Judge how much farther states are in which the expert did otherwise."""
     return TrustSignal(embedding(choice.precedent_embedding))
 
 
@@ -52,7 +52,7 @@ def trust_joined(choice: SignalChoice, embedding: MakeEmbedding) -> JoinedSignal
 
 
 def near_precedent(choice: SignalChoice, embedding: MakeEmbedding) -> NearPrecedentSignal:
-    """Whether the expert did nearly as the policy proposes, for continuous actions."""
+    """Judge whether the expert did nearly as the policy proposes, for continuous actions."""
     return NearPrecedentSignal(embedding(choice.precedent_embedding))
 
 

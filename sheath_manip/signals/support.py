@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.nested_arrays import part, prefixed
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import (
     Agreement,
     Arrays,
@@ -31,7 +31,7 @@ class SupportSignal(SingleMeasure):
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether the embedding does."""
+        """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -70,10 +70,10 @@ class SupportSignal(SingleMeasure):
 
     def arrays(self) -> Arrays:
         """The learned state of both."""
-        return prefixed({"embedding": self.embedding.arrays(), "support": self.support.arrays()})
+        return flatten({"embedding": self.embedding.arrays(), "support": self.support.arrays()})
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`."""
-        self.embedding.load(part(arrays, "embedding"))
-        self.support.load(part(arrays, "support"))
+        self.embedding.load(subtree(arrays, "embedding"))
+        self.support.load(subtree(arrays, "support"))
         return self

@@ -46,7 +46,7 @@ class TrustSignal(SingleMeasure):
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether the embedding does."""
+        """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.states.embedding.uses_displaced
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
@@ -60,12 +60,12 @@ class TrustSignal(SingleMeasure):
         return self._measured()
 
     def score(self, seen: Seen) -> NDArray[np.float64]:
-        """(n,) in -1..1: -1 with fewer precedents than asked for, 1 with them and no objection."""
+        """Return (n,) in -1..1: -1 with too few precedents, 1 with enough and no objection."""
         parts = [self._score(compared) for compared in self.states.compared(seen)]
         return np.concatenate([np.empty(0), *parts])
 
     def arrays(self) -> Arrays:
-        """Those of `LabelledStates`."""
+        """Return the arrays of `LabelledStates`."""
         return self.states.arrays()
 
     def load(self, arrays: Arrays) -> Self:

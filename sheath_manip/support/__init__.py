@@ -50,7 +50,7 @@ def make_support(name: str = DEFAULT_SUPPORT, **hyperparameters: Any) -> Support
 
 
 def support_hyperparameters(config: SupportConfig) -> dict[str, Any]:
-    """What `config` sets of its estimator; a bandwidth is for those that have one."""
+    """Return what `config` sets of its estimator; a bandwidth is for those that have one."""
     asked = {
         "nu": config.nu,
         "bandwidth_factor": config.bandwidth_factor,

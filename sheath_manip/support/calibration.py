@@ -15,16 +15,16 @@ from sheath_manip.support.config import ThresholdConfig
 
 # One lap calibrates badly (.84-.99 of a new lap inside), three pooled ones well (.94-.96).
 LEAST_EPISODES = 3
-NOTHING_INSIDE = float(np.finfo(np.float32).max)
+REJECT_ALL = float(np.finfo(np.float32).max)
 """a threshold that no score reaches: the expert acts everywhere"""
 
 
-def or_nothing_inside(threshold: Callable[[], float]) -> float:
-    """The threshold, or where so much has no score that none will do, one that fails safe."""
+def or_reject_all(threshold: Callable[[], float]) -> float:
+    """Return the threshold, or `REJECT_ALL` where too many states have no score."""
     try:
         return threshold()
     except UnscoredError:
-        return NOTHING_INSIDE
+        return REJECT_ALL
 
 
 def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: float) -> float:
@@ -168,7 +168,7 @@ def planned_threshold(
         config: rule and rate.
     """
     rule = THRESHOLD_RULES[config.rule]
-    return or_nothing_inside(lambda: rule(held_out, met, config))
+    return or_reject_all(lambda: rule(held_out, met, config))
 
 
 def _check_between(name: str, value: float) -> None:

@@ -1,4 +1,4 @@
-"""Which support estimator, and what its threshold keeps to."""
+"""Settings: which support estimator, and what its threshold keeps to."""
 
 from dataclasses import dataclass
 
@@ -9,17 +9,17 @@ RULES = ("steps", "episodes", "boundary", "budget")
 
 @dataclass(frozen=True)
 class SupportConfig:
-    """What `make_support` makes: a name in SUPPORTS and what is set of it."""
+    """A choice of what `make_support` makes: a name in SUPPORTS and what is set of it."""
 
     name: str = "one-class-svm"
-    """as `sheath tasks` lists it"""
+    """support estimator, as `sheath tasks` lists it"""
     nu: float = 0.05
-    """0 .. 1, bound on the share of training states outside the support"""
+    """bound, 0 .. 1, on the share of training states outside the support"""
     bandwidth_factor: float = 1.0
-    """c of the RBF exp(-|x-y|²/c), in the unit below"""
+    """c of the RBF exp(-|x-y|²/c), in units of the bandwidth unit"""
     bandwidth_unit: str = "median"
-    """median (of the squared distances between training states) or dimensions (the number of
-    features, so that 0.01 are one binary feature in a hundred)"""
+    """unit of the bandwidth: median (of the squared distances between training states) or
+    dimensions (the number of features, so that 0.01 are one binary feature in a hundred)"""
 
     def __post_init__(self) -> None:
         if not 0 < self.nu <= 1:
@@ -32,18 +32,18 @@ class SupportConfig:
 
 @dataclass(frozen=True)
 class ThresholdConfig:
-    """How the score is found below which the expert takes over."""
+    """A rule by which the score is found below which the expert takes over."""
 
     rule: str = "steps"
-    """steps (a rate of false alarms in new expert steps), episodes (the probability of any in a new
-    expert episode), budget (the expert's share of what the policy met last) or boundary (the
-    support's own, 0)"""
+    """rule that sets the threshold: steps (a rate of false alarms in new expert steps), episodes
+    (the probability of any in a new expert episode), budget (the expert's share of what the policy
+    met last) or boundary (the support's own, 0)"""
     false_alarm_rate: float = 0.15
-    """0 .. 1, that the rules steps and episodes keep to"""
+    """rate of false alarms, 0 .. 1, that the rules steps and episodes keep to"""
     expert_budget: float = 0.15
-    """0 .. 1, share of the steps that the rule budget gives to the expert"""
+    """share of the steps, 0 .. 1, that the rule budget gives to the expert"""
     recalibrate: bool = True
-    """find it again every round, or only in the first (CRSAIL)"""
+    """find the threshold again every round, or only in the first (CRSAIL)"""
 
     def __post_init__(self) -> None:
         if self.rule not in RULES:

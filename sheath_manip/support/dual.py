@@ -9,9 +9,9 @@ high-dimensional distribution'.
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.support.blocks import BlockSolver
+from sheath_manip.support.block_solver import BlockSolver
+from sheath_manip.support.dense_solver import solve_dense
 from sheath_manip.support.vectors import squared_distances
-from sheath_manip.support.whole import solve_whole
 
 # Up to here libsvm holds the whole kernel, 200 MB; beyond, blocks of it are faster and as exact.
 DIRECT_POINTS = 5000
@@ -61,7 +61,7 @@ def _solve_at_once(
     np.exp(gram, out=gram)
     gram *= signs
     gram *= signs[:, None]
-    return solve_whole(gram, most, 1.0, 1e-6)
+    return solve_dense(gram, most, 1.0, 1e-6)
 
 
 def _nearly_all_count(

@@ -81,7 +81,7 @@ class GaussianColumns:
         return total
 
     def sums(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
-        """(n,) for an (n, d + 2) left factor."""
+        """Return the (n,) sums for an (n, d + 2) left factor."""
         if len(self._parts) == 1 and len(rows) <= ROWS:
             return self._tile(rows, *self._parts[0]).astype(np.float64)
         sums = np.zeros(len(rows))

@@ -25,7 +25,7 @@ class KernelSum:
         self._columns = GaussianColumns(self.vectors, self.weights, c)
 
     def __call__(self, X: NDArray) -> NDArray[np.float64]:
-        """(n,) for (n, d) rows; NaN for rows that are not finite."""
+        """Return (n,) sums for (n, d) rows; NaN for rows that are not finite."""
         if len(X) == 1 and (row := state_factor(X[0], self.center)) is not None:
             return np.array([self._columns.sum_of(row)])
         rows = row_factor(X, self.center)
@@ -48,5 +48,5 @@ class KernelSum:
 
     @classmethod
     def of(cls, arrays: Arrays) -> "KernelSum":
-        """From `arrays()`; ParameterError where their shapes do not belong together."""
+        """Make a sum from `arrays()`; ParameterError where their shapes do not belong together."""
         return cls(arrays["center"], arrays["vectors"], arrays["weights"], float(arrays["c"]))

@@ -39,7 +39,7 @@ class QuantileSupport(ABC):
 
     @abstractmethod
     def learned(self) -> Arrays:
-        """What `learn` found."""
+        """Return what `learn` found."""
 
     @abstractmethod
     def take(self, arrays: Arrays) -> None:

@@ -20,13 +20,16 @@ class RandomNetwork:
 
     @classmethod
     def drawn(cls, inputs: int, outputs: int, rng: np.random.Generator) -> Self:
-        """Of that many inputs and outputs; where those have a mean square of 1, so have these."""
+        """Draw a network of that many inputs and outputs.
+
+        Where the inputs have a mean square of 1, so have the outputs.
+        """
         # The factor keeps a mean square of 1 through the ReLU (He et al. 2015).
         first = rng.normal(size=(inputs, HIDDEN)) * np.sqrt(2 / inputs)
         return cls(first, rng.normal(size=(HIDDEN, outputs)) / np.sqrt(HIDDEN))
 
     def __call__(self, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(n, o) for (n, d) inputs."""
+        """Return (n, o) outputs for (n, d) inputs."""
         return np.maximum(inputs @ self.first, 0) @ self.second
 
     def arrays(self) -> Arrays:
@@ -35,5 +38,5 @@ class RandomNetwork:
 
     @classmethod
     def of(cls, arrays: Arrays) -> Self:
-        """From `arrays()`."""
+        """Make a network from `arrays()`."""
         return cls(arrays["first"], arrays["second"])

@@ -68,7 +68,7 @@ class BoundedRegression:
         return cls(layers, np.stack([targets.min(axis=0), targets.max(axis=0)]))
 
     def __call__(self, inputs: NDArray[np.float32]) -> NDArray[np.float32]:
-        """(n, o) for (n, d) inputs."""
+        """Return (n, o) outputs for (n, d) inputs."""
         # numpy, since torch's overhead on one row is several times the work.
         *before, (weight, bias) = self.layers
         for inner, offset in before:
@@ -90,7 +90,7 @@ class BoundedRegression:
 
     @classmethod
     def of(cls, arrays: Arrays) -> "BoundedRegression":
-        """From `arrays()`."""
+        """Make a regression from `arrays()`."""
         count = sum(name.startswith("weight.") for name in arrays)
         layers = [(arrays[f"weight.{i}"], arrays[f"bias.{i}"]) for i in range(count)]
         return cls(layers, arrays["box"])

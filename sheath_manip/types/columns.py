@@ -123,7 +123,10 @@ def intervened(step: Step, driven: bool) -> bool:
 
 
 def stacked(rows: Sequence[NDArray]) -> NDArray:
-    """(T, ...) as np.stack makes it, in half the time; raises ValueError for several shapes."""
+    """Return (T, ...) as np.stack makes it, in half the time.
+
+    Raises ValueError for several shapes.
+    """
     if len({row.shape for row in rows}) != 1:
         raise ValueError("all must have the same shape")
     return np.concatenate(rows).reshape(len(rows), *rows[0].shape)

@@ -15,7 +15,7 @@ from sheath_manip.types.step import Observation, Step
 
 
 class Outcome(StrEnum):
-    """How an episode ended, in the task's own terms."""
+    """The outcome of an episode: how it ended, in the task's own terms."""
 
     SUCCESS = "success"
     FAILURE = "failure"
@@ -23,7 +23,10 @@ class Outcome(StrEnum):
 
 
 class Purpose(StrEnum):
-    """What an episode was recorded for; episodes of different purposes never share a seed."""
+    """The purpose that an episode was recorded for.
+
+    Episodes of different purposes never share a seed.
+    """
 
     DEMONSTRATION = "demonstration"
     CALIBRATION = "calibration"
@@ -33,7 +36,7 @@ class Purpose(StrEnum):
 
 @dataclass(frozen=True)
 class EpisodeInfo:
-    """Where an episode comes from: enough to run it again."""
+    """The origin of an episode: enough to run it again."""
 
     task: str
     seed: int

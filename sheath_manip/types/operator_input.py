@@ -22,7 +22,7 @@ class Gamepad:
 
     @property
     def held(self) -> bool:
-        """Whether its dead-man's button is pressed."""
+        """Whether the device's dead-man's button is pressed."""
         return DEAD_MAN_BUTTON in self.buttons
 
 
@@ -37,13 +37,13 @@ class SixAxes:
 
     @property
     def held(self) -> bool:
-        """Whether it is out of its middle, or a button is pressed."""
+        """Whether the cap is out of its middle, or a button is pressed."""
         return bool(np.any(self.twist)) or any(self.buttons)
 
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """All devices together."""
+    """The input of all of an operator's devices together."""
 
     keys: frozenset[str] = frozenset()
     """held, as `KeyboardEvent.code` names them"""

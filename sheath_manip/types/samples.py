@@ -82,7 +82,7 @@ def visited_from(episodes: Iterable[Episode], labelled_only: bool = False) -> Sa
 
 
 def joined(parts: Sequence[Samples]) -> Samples:
-    """One batch of all `parts`, their episodes numbered apart."""
+    """Return one batch of all `parts`, their episodes numbered apart."""
     offsets = np.cumsum([0, *(int(part.episodes.max()) + 1 for part in parts)])
     return Samples(
         {

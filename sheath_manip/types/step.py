@@ -60,7 +60,7 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """What is seen at one control step."""
+    """An observation: what is seen at one control step."""
 
     images: Mapping[str, NDArray[np.uint8]]
     """(h, w, 3) RGB by camera"""
@@ -95,7 +95,7 @@ class Observations:
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """What a policy made of n observations in one look."""
+    """A proposal: what a policy made of n observations in one look."""
 
     actions: NDArray[np.float32]
     """(n, a), or (n, k, a) for chunks of the next k actions"""
@@ -110,7 +110,7 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What a signal says of a state and of what the policy proposes there."""
+    """A judgement: what a signal says of a state and of what the policy proposes there."""
 
     score: float
     """the higher the safer, to be held against a threshold; NaN where there is none"""
@@ -188,7 +188,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Transition:
-    """What an environment answers to an action."""
+    """A transition: what an environment answers to an action."""
 
     observation: Observation
     reward: float

@@ -33,7 +33,7 @@ class DrivingExpert:
         self._search = SequenceSearch(choices, segment_steps=(1, 1, 2, 3, 5))
 
     def reset(self) -> None:
-        """Nothing is remembered between steps."""
+        """Do nothing: nothing is remembered between steps."""
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
         """(1,) steering angle, rad."""

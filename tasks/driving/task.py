@@ -31,7 +31,7 @@ VIEW_M = 26.0
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a variant of the task may change."""
+    """A scenario: what a variant of the task may change."""
 
     laps: float = 1.0
     """after which an episode has succeeded"""

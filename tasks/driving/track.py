@@ -31,7 +31,7 @@ class Track:
 
     @property
     def lap_length(self) -> float:
-        """Of the centre line."""
+        """The length of the centre line."""
         straight_x = self.half_length - self.corner_radius
         straight_y = self.half_width - self.corner_radius
         return 4 * (straight_x + straight_y) + 2 * np.pi * self.corner_radius
@@ -79,7 +79,7 @@ class Track:
         return np.concatenate([point, heading[..., None]], -1)
 
     def coordinates(self, x: NDArray, y: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """(s, lateral, heading of the road) of the centre line's point nearest to (x, y)."""
+        """Return (s, lateral, heading of the road) of the centre line's point nearest to (x, y)."""
         x, y = np.asarray(x, float), np.asarray(y, float)
         run_x = self.half_length - self.corner_radius
         run_y = self.half_width - self.corner_radius

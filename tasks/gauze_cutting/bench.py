@@ -32,7 +32,7 @@ _THREAD_PX = 8
 
 
 class BenchArena(composer.Arena):
-    """All but the robot."""
+    """The arena of the bench: all but the robot."""
 
     _mjcf_root: Any  # mjcf makes its attributes from MuJoCo's schema at run time
 

@@ -23,10 +23,10 @@ class GauzeExpert:
         self.task = task_of(environment)
 
     def reset(self) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is nothing to forget."""
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
-        """(2,) as the task's action spec has it."""
+        """Return (2,) as the task's action spec has it."""
         return self.task.scenario.steering.action_for(self.velocity_m_s(), self.task.heading)
 
     def velocity_m_s(self) -> NDArray[np.float64]:

@@ -35,7 +35,7 @@ class Knife:
 
     @property
     def path_m(self) -> NDArray[np.float64]:
-        """(k, 2) of the blade in material coordinates, a point for each control step."""
+        """The (k, 2) path of the blade in material coordinates, a point for each control step."""
         return self._path
 
     @property
@@ -58,7 +58,7 @@ class Knife:
         self._cut(self.crack.puncture(point_m), data, self._workpiece.lie())
 
     def place(self, lie: Lie, tip_m: NDArray) -> Place:
-        """Where in the sheet the blade is."""
+        """Return where in the sheet the blade is."""
         return lie.below(tip_m[:2], self._path[-1], LOOK_M)
 
     def move(

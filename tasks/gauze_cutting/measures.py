@@ -14,7 +14,7 @@ SECTOR_TOLERANCE_M = 0.001
 
 @dataclass(frozen=True)
 class PathMeasures:
-    """Of the blade's path in material coordinates."""
+    """Measures of the blade's path in material coordinates."""
 
     deviation_m: float
     """from the circle, mean"""
@@ -24,7 +24,7 @@ class PathMeasures:
 
 
 def path_measures(path_m: NDArray, radius_m: float) -> PathMeasures:
-    """Of (k, 2) points around 0."""
+    """Return the measures of (k, 2) points around 0."""
     deviations = np.abs(np.linalg.norm(path_m, axis=1) - radius_m)
     angles = np.arctan2(path_m[:, 1], path_m[:, 0])
     sectors = ((angles + np.pi) / (2 * np.pi) * SECTORS).astype(int) % SECTORS

@@ -12,7 +12,7 @@ from sheath_manip.tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, MEMBRANE, 
 
 @cache
 def clip_response() -> NDArray[np.float64]:
-    """(n, 2, 4, 2) by how much of each clip's displacement each vertex is displaced.
+    """Return (n, 2, 4, 2) by how much of each clip's displacement each vertex is displaced.
 
     At rest the energy 1/2 sum K_ij s_i s_j of the elements (`cutting.elasticity`) is least, to
     first order in the displacements u, with s_i = 2 e_i . (u_b - u_a) along the edge e_i from a to

@@ -84,12 +84,12 @@ class Scene:
 
     @property
     def rotation(self) -> NDArray[np.float64]:
-        """(2, 2) from the sheet's frame to the world's."""
+        """The (2, 2) rotation from the sheet's frame to the world's."""
         cos, sin = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
         return np.array([[cos, -sin], [sin, cos]])
 
     def clip_positions_m(self, time_s: float) -> NDArray[np.float64]:
-        """(4, 3) in the world frame."""
+        """Return the clips' (4, 3) positions in the world frame."""
         positions = np.tile(self.centre_m, (4, 1))
         positions[:, :2] += (CORNERS_M + self.clips_m) @ self.rotation.T
         for slip in self.slips:

@@ -42,16 +42,16 @@ class PlanarVelocity(Steering):
     vector = ("velocity_x", "velocity_y")
 
     def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:  # noqa: ARG002
-        """In proportion."""
+        """Return the velocity in proportion."""
         return TOP_SPEED_M_S * np.asarray(action, np.float64)
 
     def action_for(self, velocity_m_s: NDArray, heading: NDArray) -> Action:  # noqa: ARG002
-        """In proportion, each component by itself within its bounds."""
+        """Return the action in proportion, each component by itself within its bounds."""
         return np.clip(velocity_m_s / TOP_SPEED_M_S, -1.0, 1.0).astype(np.float32)
 
 
 class HeadingChange(Steering):
-    """How fast, and how much to turn from where the blade is heading."""
+    """A change of heading: how fast, and how much to turn from where the blade is heading."""
 
     action = ActionSpec(
         names=("speed", "turn"),
@@ -63,13 +63,13 @@ class HeadingChange(Steering):
     vector = ()
 
     def velocity_m_s(self, action: NDArray, heading: NDArray) -> NDArray[np.float64]:
-        """Along the turned heading."""
+        """Return the velocity along the turned heading."""
         speed, turn = (float(value) for value in action)
         cos, sin = np.cos(turn * TOP_TURN_RAD), np.sin(turn * TOP_TURN_RAD)
         return TOP_SPEED_M_S * speed * (np.array([[cos, -sin], [sin, cos]]) @ heading)
 
     def action_for(self, velocity_m_s: NDArray, heading: NDArray) -> Action:
-        """At its speed, in its direction as far as one may turn."""
+        """Return the action at its speed, in its direction as far as one may turn."""
         along = float(heading @ velocity_m_s)
         across = float(heading[0] * velocity_m_s[1] - heading[1] * velocity_m_s[0])
         turn = np.arctan2(across, along) / TOP_TURN_RAD

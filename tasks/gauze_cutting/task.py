@@ -48,7 +48,7 @@ _PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a variant of the task may change."""
+    """A scenario: what a variant of the task may change."""
 
     difficulty: Difficulty = DEFAULT
     steering: Steering = PLANAR_VELOCITY
@@ -116,7 +116,7 @@ class GauzeTask(SheathTask):
 
     @property
     def physics_steps_per_control_step(self) -> int:
-        """One: composer's own loop costs a part of the physics; see `before_substep`."""
+        """One step, since composer's own loop costs a part of the physics; see `before_substep`."""
         return 1
 
     @property
@@ -131,7 +131,7 @@ class GauzeTask(SheathTask):
 
     @property
     def scene(self) -> Scene:
-        """Of the present episode."""
+        """The scene of the present episode."""
         assert self._scene is not None, "the task has not been reset yet"
         return self._scene
 
@@ -185,7 +185,7 @@ class GauzeTask(SheathTask):
 
     @property
     def tip_m(self) -> NDArray[np.float64]:
-        """(3,) of the blade, world frame."""
+        """The (3,) tip of the blade, world frame."""
         return self._data.site_xpos[self._tip].copy()
 
     @property
@@ -195,7 +195,7 @@ class GauzeTask(SheathTask):
 
     @property
     def tip_velocity_m_s(self) -> NDArray[np.float64]:
-        """(3,) of the blade in the last control step, world frame."""
+        """The (3,) velocity of the blade's tip in the last control step, world frame."""
         return self._velocity
 
     def before_step(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
@@ -216,7 +216,7 @@ class GauzeTask(SheathTask):
         )
 
     def before_substep(self, physics: mjcf.Physics, action: NDArray, random_state) -> None:  # noqa: ARG002
-        """All physics steps but the one that composer makes."""
+        """Run all physics steps but the one that composer makes."""
         for _ in range(_PHYSICS_STEPS - 1):
             self.workpiece.move_clips(self._data.time)
             mujoco.mj_step(self._model, self._data)
@@ -258,7 +258,7 @@ class GauzeTask(SheathTask):
         return self._tally.outcome
 
     def metrics(self) -> Mapping[str, float]:
-        """What has been cut, how near to the line, and how roughly."""
+        """Return what has been cut, how near to the line, and how roughly."""
         tally, path = self._tally, path_measures(self.knife.path_m, RADIUS_M)
         sheet = self.workpiece.sheet
         disc = self.workpiece.disc() if tally.freed else None
@@ -316,7 +316,7 @@ class GauzeTask(SheathTask):
         return lines_of(self.workpiece.lie(), self.knife.path_m)
 
     def commanded(self) -> Commanded | None:
-        """What the command filter made of the last action."""
+        """Return what the command filter made of the last action."""
         of_arm = self.drive.commanded
         if of_arm is None:
             return None

@@ -82,7 +82,7 @@ class Workpiece:
         self._model.jnt_stiffness[self._joints] = SUPPORT_N_M
 
     def move_clips(self, time_s: float) -> None:
-        """To where they are at a time of the episode."""
+        """Move the clips to where they are at a time of the episode."""
         assert self._scene is not None, "no sheet has been laid yet"
         self._data.mocap_pos[self._mocap] = self._scene.clip_positions_m(time_s)
 
@@ -94,7 +94,7 @@ class Workpiece:
         self._data.qvel[self.sheet.dofs[spares][:, None] + np.arange(3)] = 0.0
 
     def lie(self) -> Lie:
-        """How it lies, as far as the bodies' kinematics are up to date."""
+        """Return how the sheet lies, as far as the bodies' kinematics are up to date."""
         return lie_of(self.sheet, self._data)
 
     def velocity_m_s(self, vertices: NDArray) -> NDArray[np.float64]:
@@ -104,7 +104,7 @@ class Workpiece:
         return self._data.qvel[columns].sum(axis=0) / len(vertices)
 
     def largest_strain(self, lie: Lie) -> float:
-        """Of any edge, as it lies."""
+        """Return the largest strain of any edge, as the sheet lies."""
         sheet = self.sheet
         edges = sheet.active_edges
         ends = lie.positions_m[sheet.edges[edges]]
@@ -119,7 +119,7 @@ class Workpiece:
         return next((piece for piece in free_pieces(self.sheet) if middle in piece), None)
 
     def stray_pieces(self) -> int:
-        """How many pieces hang on nothing, the disc not counted."""
+        """Return how many pieces hang on nothing, the disc not counted."""
         return len(free_pieces(self.sheet)) - (self.disc() is not None)
 
     def let_go(self) -> None:

@@ -26,7 +26,7 @@ class GraspExpert:
         self._guide.begin(self._scene)
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
-        """(7,) as the task's action spec has it."""
+        """Return (7,) as the task's action spec has it."""
         if self._scene is not self._task.scene:
             self.reset()
         situation = self._task.situation(self.environment.physics)

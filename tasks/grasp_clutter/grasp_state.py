@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 
 
 class Intent(StrEnum):
-    """What the expert is about, for people; it follows from the state like the action."""
+    """The expert's intent: what it is about, for people.
+
+    It follows from the state like the action.
+    """
 
     TRANSIT = "transit"
     APPROACH = "approach"

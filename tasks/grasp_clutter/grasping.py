@@ -58,7 +58,7 @@ class GraspLaw:
     closing: ClosingControl
 
     def command(self, state: GraspState) -> GraspCommand:
-        """What to do in `state`."""
+        """Return what to do in `state`."""
         fit = self._fit(state)
         yaw_error, best_room = self.room.least_turn(state, state.tool_position_m + fit.error_m)
         tilt_turn = _turn_down(state.tool_rotation[:, 0])

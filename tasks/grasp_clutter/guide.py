@@ -81,7 +81,7 @@ class GraspGuide:
         self.guarded.rebuild()
 
     def wish(self, situation: Situation) -> GraspCommand:
-        """What the law wants, whatever is in the way."""
+        """Return what the law wants, whatever is in the way."""
         assert self._scene is not None, "the guide has been given no scene yet"
         target = self._scene.target
         control = self.guarded.control
@@ -130,7 +130,7 @@ class GraspGuide:
 
 
 def rotations_of(wxyz: NDArray) -> NDArray[np.float64]:
-    """(n, 3, 3) of (n, 4) unit quaternions."""
+    """Return the (n, 3, 3) rotations of (n, 4) unit quaternions."""
     matrices = np.empty((len(wxyz), 9))
     for row, quaternion in zip(matrices, wxyz, strict=True):
         mujoco.mju_quat2Mat(row, quaternion)

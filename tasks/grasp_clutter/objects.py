@@ -13,7 +13,7 @@ _NECK_START = 0.66
 
 
 class Kind(StrEnum):
-    """What an object is."""
+    """A kind of object."""
 
     CAN = "can"
     BOTTLE = "bottle"
@@ -32,7 +32,7 @@ class Cuboid:
 
     @property
     def volume_m3(self) -> float:
-        """Its volume."""
+        """The volume of the object."""
         area = np.pi if self.round else 4.0
         return area * self.half_x_m * self.half_y_m * (self.top_m - self.bottom_m)
 
@@ -71,7 +71,7 @@ class StandingObject:
 
     @property
     def parts(self) -> tuple[Cuboid, ...]:
-        """Of one density each, from the bottom up."""
+        """The parts, of one density each, from the bottom up."""
         round_ = self.kind is not Kind.BOX
         if self.kind is not Kind.BOTTLE:
             return (Cuboid(self.half_x_m, self.half_y_m, 0.0, self.height_m, round_),)
@@ -84,7 +84,7 @@ class StandingObject:
 
     @property
     def centre_of_mass_m(self) -> float:
-        """Its height."""
+        """The height of the centre of mass."""
         volumes = [part.volume_m3 for part in self.parts]
         centres = [part.centre_m for part in self.parts]
         return float(np.average(centres, weights=volumes))

@@ -96,7 +96,7 @@ class Pool:
                 data.qpos[position : position + 7] = [0.2 * slot, 0, _PARKED_M, 1, 0, 0, 0]
 
     def momenta(self, data: mujoco.MjData) -> NDArray[np.float64]:
-        """(p, 3) of the pool's centres of mass, N s, in the world frame."""
+        """Return the (p, 3) momenta of the pool's centres of mass, N s, in the world frame."""
         model, bodies = self._model, self._rows
         start = model.jnt_dofadr[self._free[0]]
         # A free joint moves the body's origin, the object's foot, and turns about the body's axes.

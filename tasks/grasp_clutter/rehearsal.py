@@ -12,7 +12,7 @@ _LIFTED_M = 0.11
 
 
 def solvable(guide: GraspGuide, scene: Scene, start_rad: NDArray) -> bool:
-    """Whether the arm, from (j,) `start_rad`, gets around the target of `scene` and lifts it.
+    """Return whether the arm gets from (j,) `start_rad` around the scene's target and lifts it.
 
     Nothing moves but the arm, and what it holds: one that passes never needs to touch the clutter.
     """

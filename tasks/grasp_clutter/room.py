@@ -23,12 +23,12 @@ class JawRoom:
     """around the jaw: with less it turns"""
 
     def here(self, state: GraspState) -> float:
-        """Around the jaw as it stands, m."""
+        """Return the room around the jaw as it stands, m."""
         position = state.tool_position_m
         return float(self._rooms(state, position, np.array([_yaw(state)]))[0])
 
     def least_turn(self, state: GraspState, goal_m: NDArray) -> tuple[float, float]:
-        """How far to turn the jaw (rad, about the vertical) so that it has room at (3,) `goal_m`.
+        """Return how far to turn the jaw (rad, about the vertical) for room at (3,) `goal_m`.
 
         And the most room (m) that it can have there, turned by any angle.
         """

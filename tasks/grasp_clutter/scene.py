@@ -59,7 +59,7 @@ class Scene:
 
     @property
     def objects(self) -> tuple[StandingObject, ...]:
-        """All of them, the target first."""
+        """All objects, the target first."""
         return (self.target, *self.clutter)
 
 

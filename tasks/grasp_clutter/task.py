@@ -53,7 +53,7 @@ _START_SPREAD_RAD = 0.06
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a variant of the task may change."""
+    """A scenario: what a variant of the task may change."""
 
     difficulty: Difficulty = HARD
     robot: RobotDescription = ARM_WITH_JAW
@@ -129,7 +129,7 @@ class GraspTask(SheathTask):
 
     @property
     def physics_steps_per_control_step(self) -> int:
-        """None in composer's own loop, which costs a quarter of the physics: see `before_step`."""
+        """Zero: composer's own loop costs a quarter of the physics; see `before_step`."""
         return 0
 
     @property
@@ -144,7 +144,7 @@ class GraspTask(SheathTask):
 
     @property
     def scene(self) -> Scene:
-        """Of the present episode."""
+        """The scene of the present episode."""
         assert self._scene is not None, "the task has not been reset yet"
         return self._scene
 
@@ -195,7 +195,7 @@ class GraspTask(SheathTask):
         )
 
     def tilts_rad(self, physics: mjcf.Physics) -> NDArray[np.float64]:
-        """(n,) of the scene's objects from upright, the target's first."""
+        """Return the (n,) tilts of the scene's objects from upright, the target's first."""
         return np.arccos(physics.data.ptr.xmat[self.laid_bodies, 8].clip(-1.0, 1.0))
 
     def leans(self, physics: mjcf.Physics) -> NDArray[np.float64]:
@@ -281,7 +281,7 @@ class GraspTask(SheathTask):
         self.drive.recall(memory[end:])
 
     def commanded(self) -> Commanded | None:
-        """What the command filter made of the last action."""
+        """Return what the command filter made of the last action."""
         return self.drive.commanded
 
     def _mirror(self) -> Mirror | None:
@@ -306,7 +306,7 @@ class GraspTask(SheathTask):
         return home + rng.uniform(-_START_SPREAD_RAD, _START_SPREAD_RAD, len(home))
 
     def camera_name(self, name: str) -> str:
-        """In the model, of the camera that observations call `name`."""
+        """Return the model's name of the camera that observations call `name`."""
         if name in ("front", "shoulder"):
             return name
         camera = next(

@@ -25,7 +25,7 @@ class Enemy:
     """0..1, where in its round it is at step 0"""
 
     def position(self, step: int) -> tuple[float, float]:
-        """(x, z) of its centre, m, at a control step of 1/24 s."""
+        """Return (x, z) of the enemy's centre, m, at a control step of 1/24 s."""
         span = self.right_m - self.left_m
         way = (2 * span * self.phase + PACE_M_S / 24 * step) % (2 * span)
         x = self.left_m + (way if way < span else 2 * span - way)

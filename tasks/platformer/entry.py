@@ -33,7 +33,7 @@ def make_stage(number: int) -> ComposerEnvironment:
 
 
 def stage_number(lot: str, run_seed: int) -> int:
-    """Of the stage of a training run: neither one that a reset draws, nor one of the other lot.
+    """Return the number of a training run's stage, which no reset draws and no other lot has.
 
     So what is tuned on stages of its own, or judged on fresh ones, never meets a run's.
     """

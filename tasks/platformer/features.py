@@ -39,7 +39,7 @@ class Glimpse(NamedTuple):
 
 
 def feature_names() -> tuple[str, ...]:
-    """One for each feature, all of them 0 or 1."""
+    """Return a name for each feature, all of which are 0 or 1."""
     grids = [
         f"{what}_{lag}_steps_ago_{column:+d}_{row:+d}_tiles"
         for lag in LAGS
@@ -68,7 +68,7 @@ class Sight:
         self._near = stage.enemies_around(-COLUMNS.start, COLUMNS.stop)
 
     def features(self, moment: Moment, past: Sequence[Glimpse]) -> NDArray[np.float32]:
-        """(f,) of `moment`, after the last `REMEMBERED` glimpses, the newest last."""
+        """Return the (f,) of `moment`, after the last `REMEMBERED` glimpses, the newest last."""
         grids = [self._grid(moment)]
         grids += [self._grid(past[-lag].moment) for lag in LAGS[1:]]
         if len(self._grids) > 4 * REMEMBERED:

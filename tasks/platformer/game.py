@@ -39,7 +39,7 @@ _FLOOR_COSINE = 0.5
 
 
 class Buttons(NamedTuple):
-    """What is pressed during a control step."""
+    """The buttons that are pressed during a control step."""
 
     left: bool
     right: bool
@@ -48,7 +48,7 @@ class Buttons(NamedTuple):
 
 
 class End(IntEnum):
-    """How it stands."""
+    """The end of a game, if any: how it stands."""
 
     NONE = 0
     FLAG = 1
@@ -56,7 +56,7 @@ class End(IntEnum):
 
 
 class Moment(NamedTuple):
-    """All that the next step depends on, between two control steps."""
+    """A moment of the game: all that the next step depends on, between two control steps."""
 
     x: float
     """m, as the next three are m and m/s: of the player's centre"""
@@ -76,7 +76,7 @@ class Moment(NamedTuple):
 
 
 def start_moment(stage: Stage, x: float) -> Moment:
-    """At rest on the ground at `x` (m), with all enemies alive."""
+    """Return a moment at rest on the ground at `x` (m), with all enemies alive."""
     # A millimetre deep, which is where the contact carries the player's weight.
     z = float(stage.heights[int(x) + LEAD_TILES]) + RADIUS_M - 0.001
     alive = (1 << len(stage.enemies)) - 1
@@ -106,7 +106,7 @@ class Game:
         self._qvel[0], self._qvel[1] = moment.vx, moment.vz
 
     def press(self, buttons: Buttons) -> None:
-        """Before the ticks of a control step."""
+        """Press the buttons before the ticks of a control step."""
         moment, vz = self.moment, self.moment.vz
         top = RUN_M_S if buttons.speed else WALK_M_S
         self._ctrl[0] = (buttons.right - buttons.left) * top
@@ -126,7 +126,7 @@ class Game:
         return self.judge()
 
     def judge(self) -> Moment:
-        """After the ticks of a control step."""
+        """Judge how the game stands after the ticks of a control step."""
         assert self._stage is not None
         before = self.moment
         x, z = self._qpos.tolist()[:2]
@@ -154,7 +154,7 @@ class Game:
         return self.moment
 
     def enemy_ahead(self, moment: Moment, within_m: float) -> bool:
-        """Whether a living enemy is less than `within_m` to the right, at the player's height."""
+        """Return whether a living enemy is `within_m` or less to the right, at the same height."""
         assert self._stage is not None
         for index in self._near[int(moment.x + LEAD_TILES)]:
             if moment.alive >> index & 1:

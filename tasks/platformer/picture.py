@@ -45,7 +45,7 @@ def whole_stage(
 def from_the_side(
     environment: ComposerEnvironment, middle_x_m: float, width_px: int, height_px: int
 ) -> NDArray[np.uint8]:
-    """From the side, the whole height of a stage."""
+    """Return a camera from the side, which sees the whole height of a stage."""
     physics = environment.physics
     model, data = physics.model.ptr, physics.data.ptr
     model.cam_pos[model.camera("overview").id, 0] = middle_x_m

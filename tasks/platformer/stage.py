@@ -53,7 +53,7 @@ class Stage:
     enemies: tuple[Enemy, ...]
 
     def enemies_around(self, behind: int, ahead: int) -> list[tuple[int, ...]]:
-        """For each column, the enemies that may come so many tiles near to a player in it."""
+        """Return by column the enemies that may come so many tiles near to a player in it."""
         around: list[list[int]] = [[] for _ in self.heights]
         for index, enemy in enumerate(self.enemies):
             first = int(enemy.left_m) + LEAD_TILES - ahead

@@ -50,7 +50,7 @@ _WALKER_RGBA, _HOPPER_RGBA = (0.42, 0.26, 0.14, 1.0), (0.5, 0.2, 0.55, 1.0)
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a variant of the task may change."""
+    """A scenario: what a variant of the task may change."""
 
     difficulty: int = 1
     """0 and up: wider gaps, less flat ground between obstacles, more enemies"""
@@ -122,7 +122,7 @@ class PlatformerTask(SheathTask):
 
     @property
     def stage(self) -> Stage:
-        """Of the present episode."""
+        """The stage of the present episode."""
         assert self._stage is not None, "the task has not been reset yet"
         return self._stage
 
@@ -197,7 +197,7 @@ class PlatformerTask(SheathTask):
         return _OUTCOMES[self.moment.end]
 
     def metrics(self) -> Mapping[str, float]:
-        """How far the player came, at most to the flag, and how many enemies it stomped."""
+        """Return how far the player came, at most to the flag, and how many enemies it stomped."""
         distance = min(max(self.moment.farthest, 0.0), float(LENGTH_TILES))
         stomped = len(self.stage.enemies) - self.moment.alive.bit_count()
         return {

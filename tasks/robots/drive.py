@@ -69,21 +69,21 @@ class RobotDrive:
             self._closing_target = int(model.actuator_actadr[self._closing_servo])
 
     def positions_rad(self) -> NDArray[np.float64]:
-        """(j,) of the arm's joints."""
+        """Return the (j,) positions of the arm's joints."""
         return self._data.qpos[self._qpos]
 
     def targets_rad(self) -> NDArray[np.float64]:
-        """(j,) of the arm's servos, from which the next command starts."""
+        """Return the (j,) targets of the arm's servos, from which the next command starts."""
         positions = self.positions_rad()
         targets = np.maximum(self._data.act[self._targets], positions - LEAD_RAD)
         return np.minimum(targets, positions + LEAD_RAD)
 
     def closed_m(self) -> float:
-        """How far the gripper is closed."""
+        """Return how far the gripper is closed."""
         return float(self._data.qpos[self._finger_qpos].sum())
 
     def pressed_m(self) -> float:
-        """How much farther its servo wants to close it."""
+        """Return how much farther the servo wants to close the gripper."""
         return float(self._data.act[self._closing_target]) - self.closed_m()
 
     def command(self, action: NDArray) -> None:
@@ -108,7 +108,7 @@ class RobotDrive:
         return action
 
     def commanded_tool_pose(self) -> NDArray[np.float64]:
-        """(4, 4) of the tool, world frame, with the joints at their targets."""
+        """Return the (4, 4) pose of the tool, world frame, with the joints at their targets."""
         return self.control.transform_tool_to_world(self._data.act[self._targets])
 
     def place(self, positions_rad: NDArray) -> None:
@@ -133,7 +133,7 @@ class RobotDrive:
         data.act[self._closing_target] = closed_m
 
     def memory(self) -> NDArray[np.float64]:
-        """(m,) of the command filter."""
+        """Return the (m,) memory of the command filter."""
         return np.zeros(0) if self.command_filter is None else self.command_filter.memory()
 
     def recall(self, memory: NDArray[np.float64]) -> None:

@@ -76,7 +76,7 @@ class Robot(composer.Entity):
         return self._mjcf_root
 
     def joint_positions(self, physics: mjcf.Physics) -> NDArray[np.float64]:
-        """(j,) of the arm, rad."""
+        """Return the (j,) joint positions of the arm, rad."""
         return np.array(physics.bind(self.joints).qpos)
 
     def _found(self, kind: str, name: str) -> Any:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.cockpit import Order
-from sheath_manip.dashboard.parts.tool_gizmo import SHARE_OF_VIEW
+from sheath_manip.dashboard.widgets.tool_gizmo import SHARE_OF_VIEW
 from sheath_manip.types import Actor, Reason
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
 from tests.waiting import eventually

@@ -17,7 +17,7 @@ from sheath_manip.cockpit import Cockpit, Given
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.operator_message import LONGEST_MESSAGE
 from sheath_manip.dashboard.operator_socket import PATH
-from sheath_manip.dashboard.parts.controls import Controls
+from sheath_manip.dashboard.widgets.controls import Controls
 from tests.toy import Corridor, teleop
 from tests.waiting import eventually
 from tools.station import Station, cookie_of, open_socket
@@ -184,7 +184,7 @@ def viser_garbage(rng: random.Random, uuids: list[str]) -> bytes:
 
 def test_five_hundred_messages_of_garbage_change_nothing_and_stop_nothing(page, cockpit):
     rng = random.Random(0)
-    controls = page._page.part(Controls)
+    controls = page._page.widget(Controls)
     elements = page._server.viser.gui._gui_input_handle_from_uuid
     before = {uuid: dict(vars(each._impl)) for uuid, each in elements.items()}
     state = cockpit.state
@@ -215,7 +215,7 @@ def test_five_hundred_messages_of_garbage_change_nothing_and_stop_nothing(page, 
 
 
 def test_a_value_out_of_range_does_not_reach_the_slider(page, cockpit):
-    slider = page._page.part(Controls).speed
+    slider = page._page.widget(Controls).speed
     with open_socket(page.address, path="/", subprotocols=[SUBPROTOCOL], max_size=None) as visers:
         visers.send(msgspec.msgpack.encode(CAMERA))
         for value in (99.0, -1.0, float("nan"), "2", True, [2.0], 2.0):

@@ -17,8 +17,8 @@ from websockets.typing import Origin, Subprotocol
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.access import AccessControl
-from sheath_manip.dashboard.parts.controls import Controls
 from sheath_manip.dashboard.server import GuardedServer
+from sheath_manip.dashboard.widgets.controls import Controls
 from sheath_manip.exceptions import ParameterError, SetupError
 from tests.waiting import DEADLINE_S, eventually
 
@@ -141,7 +141,7 @@ def test_share_is_refused(
         connection.recv(timeout=DEADLINE_S)
         connection.send(msgspec.msgpack.encode({"type": "ShareUrlRequest"}))
         # Messages are handled in their order, so once this one is, so was the one before.
-        button = dashboard._page.part(Controls).pause
+        button = dashboard._page.widget(Controls).pause
         click = {"type": "GuiUpdateMessage", "uuid": button._impl.uuid, "updates": {"value": True}}
         connection.send(msgspec.msgpack.encode(click))
         assert eventually(lambda: button.value)

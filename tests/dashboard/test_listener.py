@@ -9,9 +9,9 @@ import pytest
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.chart import chart_of
 from sheath_manip.dashboard.drawer import Drawer
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.parts.counts import Counts
-from sheath_manip.dashboard.parts.trouble import Trouble
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widgets.counts import Counts
+from sheath_manip.dashboard.widgets.trouble import Trouble
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
@@ -59,8 +59,8 @@ def test_stalled_drawing_never_holds_the_loop(
 
 
 def steps_noted(dashboard: Dashboard) -> int:
-    moment = dashboard._latest()
-    return 0 if moment is None else moment.episode.steps
+    snapshot = dashboard._latest()
+    return 0 if snapshot is None else snapshot.episode.steps
 
 
 def test_pause_blocks_and_resume_releases(
@@ -121,11 +121,11 @@ def test_fit_shows_its_states_in_the_plane(
     features = np.arange(12, dtype=np.float32).reshape(4, 3)
     for states in (features[:2], features):
         dashboard.on_fit(Samples({}, states, np.zeros((len(states), 1), np.float32), np.arange(4)))
-        moment = dashboard._latest()
-        assert moment is not None
-        assert moment.training is not None
+        snapshot = dashboard._latest()
+        assert snapshot is not None
+        assert snapshot.training is not None
         # x_m and y_m are the second and the third feature.
-        assert chart_of(SPEC).fit(moment.training).tolist() == states[:, 1:].tolist()
+        assert chart_of(SPEC).fit(snapshot.training).tolist() == states[:, 1:].tolist()
 
 
 def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None:
@@ -137,11 +137,11 @@ def test_page_of_a_learning_run_gets_its_training_states(tmp_path: Path) -> None
     with Dashboard(Corridor().spec, port=0, token=TOKEN) as dashboard:
         with SerialExecutor() as executor:
             LearningRun(CORRIDOR, plan, 0, tmp_path, store, executor, (dashboard,)).prepare()
-        moment = dashboard._latest()
+        snapshot = dashboard._latest()
     demonstrations = samples_from(store.episodes(Purpose.DEMONSTRATION))
-    assert moment is not None
-    assert moment.training is not None
-    assert moment.training.features.tolist() == demonstrations.features.tolist()
+    assert snapshot is not None
+    assert snapshot.training is not None
+    assert snapshot.training.features.tolist() == demonstrations.features.tolist()
 
 
 def test_drawer_outlives_failures(caplog: pytest.LogCaptureFixture) -> None:
@@ -171,7 +171,7 @@ def test_failed_drawing_marks_the_page_and_not_the_run(
     def fail(_: object) -> None:
         raise ValueError("no <ink>")
 
-    trouble = dashboard._page.part(Trouble)._box
+    trouble = dashboard._page.widget(Trouble)._box
     monkeypatch.setattr(type(dashboard._page), "watched", True)
     with monkeypatch.context() as broken:
         broken.setattr(dashboard._page, "draw", fail)
@@ -215,44 +215,44 @@ def test_tally_counts_interventions_and_outcomes(
 ) -> None:
     for outcome in (Outcome.SUCCESS, Outcome.FAILURE):
         play(dashboard, environment, replace(episode, outcome=outcome))
-    moment = dashboard._latest()
-    assert moment is not None
+    snapshot = dashboard._latest()
+    assert snapshot is not None
     expert = [step.decision.actor is Actor.EXPERT for step in episode.steps]
     begun = sum(now and not before for before, now in zip([False, *expert], expert, strict=False))
-    assert moment.episode.interventions == begun > 1
-    assert moment.series.interventions == 2 * begun
-    assert moment.episode.expert_steps == sum(expert)
-    assert moment.episode.switches == record_of(episode).switches
-    assert moment.series.steps == 2 * len(expert)
-    assert moment.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
-    assert moment.outcome is Outcome.FAILURE
-    assert len(moment.trace) == len(expert)
+    assert snapshot.episode.interventions == begun > 1
+    assert snapshot.series.interventions == 2 * begun
+    assert snapshot.episode.expert_steps == sum(expert)
+    assert snapshot.episode.switches == record_of(episode).switches
+    assert snapshot.series.steps == 2 * len(expert)
+    assert snapshot.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
+    assert snapshot.outcome is Outcome.FAILURE
+    assert len(snapshot.trace) == len(expert)
 
 
 def test_limited_commands_are_told_and_counted(
     dashboard: Dashboard, environment: Environment, episode: Episode
 ) -> None:
-    counts = dashboard._page.part(Counts)
+    counts = dashboard._page.widget(Counts)
     limited = (Limited("<b>speed</b>", 0.25), Limited("workspace", 0.5))
     steps = [
         replace(step, limited=limited if number % 4 == 3 else ())
         for number, step in enumerate(episode.steps[:9])
     ]
 
-    def drawn() -> Moment:
-        moment = dashboard._latest()
-        assert moment is not None
-        counts.draw(moment)
-        return moment
+    def drawn() -> Snapshot:
+        snapshot = dashboard._latest()
+        assert snapshot is not None
+        counts.draw(snapshot)
+        return snapshot
 
     dashboard.on_start(environment, episode.info)
     drawn()
     assert not counts._limited.visible
     for step in steps[:8]:
         dashboard.on_step(environment, step)
-    moment = drawn()
-    assert moment.episode.limited_share == moment.series.limited_share == 0.25
-    assert moment.trace.limited.tolist() == [False, False, False, True] * 2
+    snapshot = drawn()
+    assert snapshot.episode.limited_share == snapshot.series.limited_share == 0.25
+    assert snapshot.trace.limited.tolist() == [False, False, False, True] * 2
     assert counts._limited.visible
     assert "&lt;b&gt;speed&lt;/b&gt; 25% · workspace 50%" in counts._limited.content
     assert "25% of this episode" in counts._limited.content
@@ -266,8 +266,8 @@ def test_demonstration_is_no_intervention(
 ) -> None:
     steps = tuple(replace(step, proposed=None, labelled=step.executed) for step in episode.steps)
     play(dashboard, environment, replace(episode, steps=steps))
-    moment = dashboard._latest()
-    assert moment is not None
-    assert moment.episode.interventions == 0
-    assert moment.episode.expert_steps > 0
-    assert moment.episode.queries == record_of(replace(episode, steps=steps)).queries
+    snapshot = dashboard._latest()
+    assert snapshot is not None
+    assert snapshot.episode.interventions == 0
+    assert snapshot.episode.expert_steps > 0
+    assert snapshot.episode.queries == record_of(replace(episode, steps=steps)).queries

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.dashboard.parts.score_plot import ScorePlot
-from sheath_manip.dashboard.parts.support_map import SupportMap
+from sheath_manip.dashboard.widgets.score_plot import ScorePlot
+from sheath_manip.dashboard.widgets.support_map import SupportMap
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode
 from tests.dashboard.conftest import play, states_at
@@ -27,7 +27,7 @@ def test_page_shows_and_pauses_a_run(
     tmp_path: Path,
 ) -> None:
     page = browser_page
-    plot, plane = dashboard._page.part(ScorePlot), dashboard._page.part(SupportMap)
+    plot, plane = dashboard._page.widget(ScorePlot), dashboard._page.widget(SupportMap)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     dashboard.on_fit(states_at(training))

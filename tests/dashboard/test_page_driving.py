@@ -7,10 +7,10 @@ import pytest
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.dashboard.parts.cameras import Cameras
-from sheath_manip.dashboard.parts.score_plot import ScorePlot
-from sheath_manip.dashboard.parts.support_map import SupportMap
-from sheath_manip.dashboard.parts.trouble import Trouble
+from sheath_manip.dashboard.widgets.cameras import Cameras
+from sheath_manip.dashboard.widgets.score_plot import ScorePlot
+from sheath_manip.dashboard.widgets.support_map import SupportMap
+from sheath_manip.dashboard.widgets.trouble import Trouble
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.rollout.action_noise import DisturbedExpert
 from sheath_manip.rollout.cached_expert import CachedExpert
@@ -68,7 +68,7 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
     page.on("pageerror", lambda error: errors.append(str(error)))
     task = DrivingTask(SCENARIO)
     with Dashboard(task.spec, port=0) as dashboard:
-        part = dashboard._page.part
+        widget = dashboard._page.widget
         dashboard.on_fit(training_on(task))
         run = threading.Thread(target=drive, args=(dashboard, enough), daemon=True)
         open_dashboard(page, dashboard.address)
@@ -76,13 +76,13 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         run.start()
 
         def interventions() -> int:
-            moment = dashboard._latest()
-            return moment.series.interventions if moment else 0
+            snapshot = dashboard._latest()
+            return snapshot.series.interventions if snapshot else 0
 
         wait_until(lambda: interventions() > 1, "interventions", page)
-        wait_until(lambda: part(ScorePlot)._scores.visible, "scores", page)
-        wait_until(lambda: part(SupportMap)._image.visible, "support picture", page)
-        wait_until(lambda: part(Cameras)._images["overhead"].visible, "camera image", page)
+        wait_until(lambda: widget(ScorePlot)._scores.visible, "scores", page)
+        wait_until(lambda: widget(SupportMap)._image.visible, "support picture", page)
+        wait_until(lambda: widget(Cameras)._images["overhead"].visible, "camera image", page)
 
         page.locator("canvas").first.wait_for()
         page.locator(".u-over").wait_for()
@@ -95,7 +95,7 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
         page.get_by_role("tab", name="Run").click()
         counts = page.get_by_role("row").filter(has_text="interventions").get_by_role("cell")
         wait_until(lambda: int(counts.nth(2).inner_text()) > 1, "count on the page", page)
-        assert not part(Trouble)._box.visible
+        assert not widget(Trouble)._box.visible
         enough.set()
         run.join(TIMEOUT_S)
     assert not run.is_alive()

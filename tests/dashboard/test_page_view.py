@@ -14,8 +14,8 @@ from playwright.sync_api import Locator, Page
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.dashboard import Dashboard, Replay
-from sheath_manip.dashboard.parts.threshold import NuSlider, ThresholdSlider
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.catalog import EpisodeCatalog
+from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial
@@ -65,14 +65,14 @@ def store(tmp_path: Path) -> EpisodeStore:
 
 @pytest.fixture
 def replay(store: EpisodeStore) -> Iterator[Replay]:
-    shelf, environment = Shelf(store), RingRoad()
+    catalog, environment = EpisodeCatalog(store), RingRoad()
 
     def film_at(place: int):
-        return film_of(environment, shelf.read(place))
+        return film_of(environment, catalog.read(place))
 
     with Replay(
         SPEC,
-        shelf,
+        catalog,
         film_at,
         lambda place, kind: exported(film_at(place), None, kind),
         port=0,
@@ -178,8 +178,8 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
             )
 
         def acts(actor: Actor, threshold: float) -> bool:
-            moment = dashboard._latest()
-            decision = moment.step.decision if moment and moment.step else None
+            snapshot = dashboard._latest()
+            decision = snapshot.step.decision if snapshot and snapshot.step else None
             return decision is not None and (decision.actor, decision.threshold) == (
                 actor,
                 threshold,
@@ -230,8 +230,8 @@ def test_one_looks_back_while_the_run_goes_on(browser_page: Page) -> None:
             )
 
         def shown() -> tuple[int, bool]:
-            moment = dashboard._latest()
-            return (-1, True) if moment is None else (moment.at, moment.present)
+            snapshot = dashboard._latest()
+            return (-1, True) if snapshot is None else (snapshot.at, snapshot.present)
 
         run = threading.Thread(target=run_episode, daemon=True)
         run.start()
@@ -239,14 +239,14 @@ def test_one_looks_back_while_the_run_goes_on(browser_page: Page) -> None:
         wait_until(lambda: shown()[0] > 60, "steps", page)
         page.get_by_role("button", name="‹ before").click()
         wait_until(lambda: not shown()[1], "look back", page)
-        moment = dashboard._latest()
-        assert moment is not None
-        assert moment.at in [start for start, _ in moment.trace.turns]
-        wait_until(lambda: len(dashboard._film or ()) > moment.at + 40, "run going on", page)
-        assert shown() == (moment.at, False)
+        snapshot = dashboard._latest()
+        assert snapshot is not None
+        assert snapshot.at in [start for start, _ in snapshot.trace.turns]
+        wait_until(lambda: len(dashboard._film or ()) > snapshot.at + 40, "run going on", page)
+        assert shown() == (snapshot.at, False)
         page.get_by_role("button", name="Back to the present").click()
         wait_until(lambda: shown()[1], "the present", page)
-        assert shown()[0] > moment.at + 30
+        assert shown()[0] > snapshot.at + 30
         environment.enough.set()
         run.join(TIMEOUT_S)
     assert not run.is_alive()

@@ -2,14 +2,14 @@ import numpy as np
 
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import SceneView
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.protocols import Environment
 from tests.dashboard.conftest import SPEC
 
 
-def desk_of(dashboard: Dashboard) -> Desk:
-    return Desk(dashboard._server.viser, SPEC, lambda: None)
+def desk_of(dashboard: Dashboard) -> WidgetContext:
+    return WidgetContext(dashboard._server.viser, SPEC, lambda: None)
 
 
 def test_camera_sees_all_that_stands_on_the_ground(

@@ -31,13 +31,13 @@ def test_at_the_end_all_is_on_the_disk(store: EpisodeStore) -> None:
 def test_the_next_episode_runs_meanwhile(store: EpisodeStore, monkeypatch) -> None:
     go = threading.Event()
     with BackgroundRecorder(store) as recorder:
-        adopt = recorder._writer.adopt
+        append = recorder._writer.append_arrays
 
         def slow(recorded: Recorded) -> None:
             assert go.wait(DEADLINE_S)
-            adopt(recorded)
+            append(recorded)
 
-        monkeypatch.setattr(recorder._writer, "adopt", slow)
+        monkeypatch.setattr(recorder._writer, "append_arrays", slow)
         recorder.on_end(EPISODES[0])
         assert store.names() == []
         go.set()

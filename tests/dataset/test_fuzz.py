@@ -18,10 +18,10 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.faults import FaultKind
+from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.mapped import mapped_samples
 from sheath_manip.dataset.marker import MARKER
 from sheath_manip.dataset.merging import merge, split
-from sheath_manip.dataset.places import open_place
 from sheath_manip.dataset.show import print_show
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.table import print_check, print_list
@@ -309,7 +309,7 @@ def test_a_damaged_marker(sound: EpisodeStore, tmp_path: Path, content: bytes | 
     (path / MARKER).unlink()
     if content is not None:
         (path / MARKER).write_bytes(content)
-    for open_store in (EpisodeStore, EpisodeStore.create, open_place):
+    for opened in (EpisodeStore, EpisodeStore.create, open_store):
         with pytest.raises(StoreError, match=f"wanted an episode store at {path}") as caught:
-            open_store(str(path))
+            opened(str(path))
         assert "\n" not in str(caught.value)

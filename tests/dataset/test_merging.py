@@ -124,7 +124,7 @@ def test_equal_content_is_the_same_whenever_it_was_written(tmp_path: Path) -> No
     (name,) = first.names()
     recorded = first.recorded(name)
     header = replace(recorded.header, recorded_utc="2020-01-01T00:00:00+00:00", space=SPACE)
-    second.adopt(Recorded(header, recorded.arrays))
+    second.append_arrays(Recorded(header, recorded.arrays))
     assert contents(first) != contents(second)
     assert content_digest(first, name) == content_digest(second, name)
     target = EpisodeStore.create(tmp_path / "c")

@@ -15,10 +15,10 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.faults import FaultKind
+from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.mapped import mapped_samples
 from sheath_manip.dataset.marker import MARKER
 from sheath_manip.dataset.merging import Merged, merge, split
-from sheath_manip.dataset.places import open_place
 from sheath_manip.dataset.remote import RemoteStore
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
@@ -241,7 +241,7 @@ def test_no_store_is_one_line(url, content, message) -> None:
 @pytest.mark.parametrize("url", ["moon://x", "s3://", "http://127.0.0.1:1/x"])
 def test_an_address_that_leads_nowhere_is_one_line(url) -> None:
     with pytest.raises(StoreError, match="cannot reach") as caught:
-        open_place(url, create=True)
+        open_store(url, create=True)
     assert "\n" not in str(caught.value)
 
 
@@ -265,7 +265,7 @@ def test_a_server_that_went_away_is_no_damage(store, name) -> None:
 
 
 def test_a_directory_told_as_a_url_is_a_directory(store, name) -> None:
-    assert open_place(f"file://{store.path}").names() == [name]
+    assert open_store(f"file://{store.path}").names() == [name]
 
 
 @pytest.mark.parametrize("open_store", [EpisodeStore, EpisodeStore.create])

@@ -32,7 +32,7 @@ def writer(store: EpisodeStore) -> Iterator[WriterProcess]:
 
 def test_what_it_adopts_is_in_the_store(writer: WriterProcess, store: EpisodeStore) -> None:
     for episode in EPISODES:
-        writer.adopt(recorded_of(episode))
+        writer.append_arrays(recorded_of(episode))
         assert identical(store.read(episode_name(episode.info)), episode)
     assert check(store) == []
 
@@ -52,12 +52,12 @@ def test_a_path_is_where_it_was_at_the_start(
 def test_what_goes_wrong_there_is_told_here(writer: WriterProcess, store: EpisodeStore) -> None:
     store.append(EPISODES[0])
     with pytest.raises(StoreError, match="already holds"):
-        writer.adopt(recorded_of(EPISODES[0]))
+        writer.append_arrays(recorded_of(EPISODES[0]))
     good = recorded_of(EPISODES[1])
     arrays = {path: array for path, array in good.arrays.items() if path != "executed"}
     with pytest.raises(StoreError, match="executed is missing"):
-        writer.adopt(replace(good, arrays=arrays))
-    writer.adopt(good)
+        writer.append_arrays(replace(good, arrays=arrays))
+    writer.append_arrays(good)
     assert len(store.names()) == 2
 
 

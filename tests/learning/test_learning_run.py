@@ -204,7 +204,7 @@ class Cutter:
         self.when = when
         self.cut: set[str] = set()
         self.written = 0
-        self._wrap(patch, WriterHere, "adopt", lambda args: str(args[1].header.info))
+        self._wrap(patch, WriterHere, "append_arrays", lambda args: str(args[1].header.info))
         self._wrap(patch, Checkpoint, "save", lambda args: str(args[1]))
         self._wrap(patch, learning_run, "write_result", lambda args: str(args[0]))
 

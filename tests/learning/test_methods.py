@@ -283,7 +283,7 @@ class StoppedError(Exception):
 def _cut(monkeypatch) -> Iterator[None]:
     """Stops before every file, once."""
     seen: set[str] = set()
-    for owner, name in ((WriterHere, "adopt"), (Checkpoint, "save")):
+    for owner, name in ((WriterHere, "append_arrays"), (Checkpoint, "save")):
         write = getattr(owner, name)
 
         def written(*arguments, write=write):

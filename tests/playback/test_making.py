@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import run_command
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError, UnknownNameError
 from sheath_manip.playback.film import film_of
@@ -64,11 +64,11 @@ def same(left: Sequence[SceneGeom], right: Sequence[SceneGeom]) -> bool:
     )
 
 
-def shelved(path: Path, *episodes: Episode) -> Shelf:
+def catalogued(path: Path, *episodes: Episode) -> EpisodeCatalog:
     store = EpisodeStore.create(path)
     for episode in episodes:
         store.append(episode)
-    return Shelf(store)
+    return EpisodeCatalog(store)
 
 
 def of_variant(episode: Episode, variant: str) -> Episode:
@@ -80,8 +80,8 @@ def of_variant(episode: Episode, variant: str) -> Episode:
 def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path, told, asked) -> None:
     shown = {seed: recorded(seed) for seed in (4, 5)}
     episodes = [of_variant(episode, told) for episode, _ in shown.values()]
-    shelf = shelved(tmp_path / "store", *episodes)
-    maker = FilmMaker(PLATFORMER, asked, shelf.read, shelf.summary)
+    catalog = catalogued(tmp_path / "store", *episodes)
+    maker = FilmMaker(PLATFORMER, asked, catalog.read, catalog.summary)
     for place, (episode, scene) in enumerate(shown.values()):
         film = maker.film(place)
         assert same(film.scene, scene)
@@ -102,8 +102,8 @@ def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path, told, asked) 
 
 
 def test_an_episode_of_another_task_is_refused(tmp_path) -> None:
-    shelf = shelved(tmp_path, episode_of("pe"))
-    maker = FilmMaker(PLATFORMER, None, shelf.read, shelf.summary)
+    catalog = catalogued(tmp_path, episode_of("pe"))
+    maker = FilmMaker(PLATFORMER, None, catalog.read, catalog.summary)
     with pytest.raises(StoreError, match="is of task 'toy'"):
         maker.film(0)
     maker.close()
@@ -112,16 +112,16 @@ def test_an_episode_of_another_task_is_refused(tmp_path) -> None:
 def test_an_episode_that_does_not_fit_its_variant_is_refused(tmp_path) -> None:
     episode, _ = recorded(4)
     info = replace(episode.info, control_rate_hz=12.0, variant="stage")
-    shelf = shelved(tmp_path, replace(episode, info=info))
-    maker = FilmMaker(PLATFORMER, None, shelf.read, shelf.summary)
+    catalog = catalogued(tmp_path, replace(episode, info=info))
+    maker = FilmMaker(PLATFORMER, None, catalog.read, catalog.summary)
     with pytest.raises(StoreError, match=r"fit variant 'stage' .*12 Hz instead of 24 Hz"):
         maker.film(0)
     maker.close()
 
 
 def test_a_variant_that_is_no_longer_there_is_named(tmp_path) -> None:
-    shelf = shelved(tmp_path, of_variant(recorded(4)[0], "moon"))
-    maker = FilmMaker(PLATFORMER, None, shelf.read, shelf.summary)
+    catalog = catalogued(tmp_path, of_variant(recorded(4)[0], "moon"))
+    maker = FilmMaker(PLATFORMER, None, catalog.read, catalog.summary)
     with pytest.raises(UnknownNameError, match="moon"):
         maker.film(0)
     maker.close()

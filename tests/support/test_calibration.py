@@ -3,11 +3,11 @@ import pytest
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.support.calibration import (
-    NOTHING_INSIDE,
+    REJECT_ALL,
     budget_threshold,
     episode_threshold,
     held_out_threshold,
-    or_nothing_inside,
+    or_reject_all,
 )
 
 
@@ -76,9 +76,9 @@ def test_what_cannot_be_calibrated(episodes, rate, message):
 
 def test_where_scores_are_missing_nothing_is_inside():
     unscored = [np.full(100, np.nan)] * 3
-    assert or_nothing_inside(lambda: held_out_threshold(unscored, 0.05)) == NOTHING_INSIDE
+    assert or_reject_all(lambda: held_out_threshold(unscored, 0.05)) == REJECT_ALL
     with pytest.raises(ParameterError, match="at least 3"):
-        or_nothing_inside(lambda: held_out_threshold(unscored[:2], 0.05))
+        or_reject_all(lambda: held_out_threshold(unscored[:2], 0.05))
 
 
 @pytest.mark.parametrize(("episodes", "alpha"), [(9, 0.1), (20, 0.1), (30, 0.25), (4, 0.2)])

@@ -7,7 +7,7 @@ from typing import Annotated
 import tyro
 from rich.text import Text
 
-from sheath_manip.cli.options import StoreAddress
+from sheath_manip.cli.options import StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
 from sheath_manip.exceptions import ParameterError
@@ -24,27 +24,29 @@ class ExportStore:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     out: FilePath
-    """what to write, where nothing may be yet: for replay-buffer a directory or a .zarr.zip, for
+    """path to write to, where nothing may be yet: for replay-buffer a directory or a .zarr.zip, for
     robomimic an .hdf5 file, else a directory"""
     format: str
-    """of which tool: replay-buffer, robomimic, lerobot, minari, or that of an installed package"""
+    """name of the format: replay-buffer, robomimic, lerobot, minari, or that of an installed
+    package"""
     successes: bool = False
-    """only episodes that succeeded"""
+    """export only episodes that succeeded"""
     expert_steps: bool = False
-    """only steps in which the expert acted, each run of them as an episode"""
-    rounds: tuple[int, ...] = ()
-    """only episodes of these rounds"""
+    """export only steps in which the expert acted, each run of them as an episode"""
+    rounds: Annotated[tuple[int, ...], default_is("all")] = ()
+    """export only episodes of these rounds"""
     action: Annotated[ActionChoice, ByValue] = ActionChoice.EXECUTED
-    """which is `the` action there; labelled leaves out the steps that nobody labelled"""
+    """action that is exported as `the` action; labelled leaves out the steps that nobody
+    labelled"""
     bad_steps: bool = False
-    """also what a person marked as bad in `sheath replay`"""
+    """export also what a person marked as bad in `sheath replay`"""
 
     def run(self, session: Session) -> int:
         """Write it, then print what was written."""
         from sheath_manip.dataset.exchange.exporting import export
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
 
-        reader = open_place(self.store)
+        reader = open_store(self.store)
         selection = Selection(
             self.successes, self.expert_steps, self.rounds, self.action, self.bad_steps
         )
@@ -65,22 +67,22 @@ class ImportStore:
     """
 
     file: FilePath
-    """a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
+    """file to import: a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
     store: StoreAddress
     """directory for the episodes; made where there is none"""
     format: str
-    """of which tool: replay-buffer, robomimic, or that of an installed package"""
-    keys: tuple[str, ...] = ()
+    """name of the format: replay-buffer, robomimic, or that of an installed package"""
+    keys: Annotated[tuple[str, ...], default_is("the format's own")] = ()
     """what the file's keys mean: images/CAMERA=KEY, features=KEY,KEY,..., action=KEY, reward=KEY,
     state=KEY; in robomimic's files an observation is obs/NAME"""
-    task: str | None = None
+    task: Annotated[str | None, default_is("as the file says")] = None
     """name of the task"""
-    control_rate_hz: float | None = None
-    """control steps a second"""
+    control_rate_hz: Annotated[float | None, default_is("as the file says")] = None
+    """control steps a second of the recordings"""
     outcome: Annotated[Outcome, ByValue] = Outcome.SUCCESS
     """how the episodes ended; demonstrations are mostly published where they succeeded"""
-    method: str | None = None
-    """who recorded them; by default the file's name"""
+    method: Annotated[str | None, default_is("the file's name")] = None
+    """name of the method that recorded the episodes"""
 
     def run(self, session: Session) -> int:
         """Append them, then print how many."""

@@ -22,19 +22,19 @@ class MergeStores:
     """
 
     stores: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="STORE...")]
-    """directories or URLs to copy from"""
+    """stores to copy from: directories or URLs"""
     into: str
     """directory or URL to copy to, such as s3://bucket/demos; begun where there is none"""
 
     def run(self, session: Session) -> int:
         """Copy, then print how many."""
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.merging import merge
-        from sheath_manip.dataset.places import open_place
 
         if not self.stores:
             raise ParameterError("no store to merge; name one at least")
-        sources = [open_place(address) for address in self.stores]
-        target = open_place(self.into, create=True)
+        sources = [open_store(address) for address in self.stores]
+        target = open_store(self.into, create=True)
         total = sum(len(source.names()) for source in sources)
         with session.progress("copying", total) as report:
             done = merge(sources, target, report)
@@ -54,19 +54,19 @@ class SplitStore:
     store: StoreAddress
     """directory of the episodes, or a URL; it stays as it is"""
     parts: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="PART=SHARE...")]
-    """such as train=0.8 test=0.2"""
+    """names and shares of the parts, such as train=0.8 test=0.2"""
     into: Path
     """new directory for a store of each part"""
     seed: int = 0
-    """of the draw"""
+    """seed of the draw of episodes"""
 
     def run(self, session: Session) -> int:
         """Copy, then print how many went where."""
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.merging import split
-        from sheath_manip.dataset.places import open_place
         from sheath_manip.seeding import generator
 
-        reader = open_place(self.store)
+        reader = open_store(self.store)
         with session.progress("copying", len(reader.names())) as report:
             drawn = split(
                 reader,
@@ -87,16 +87,16 @@ class DropEpisodes:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     episodes: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="NAME...")]
-    """names of `sheath data list`"""
+    """names of the episodes, as `sheath data list` prints them"""
 
     def run(self, session: Session) -> int:
         """Delete them; none is deleted where one is not there."""
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.reader import no_such_episode
 
         if not self.episodes:
             raise ParameterError("no episode to drop; name each, as `sheath data list` does")
-        place = open_place(self.store)
+        place = open_store(self.store)
         there = set(place.names())
         for name in self.episodes:
             if name not in there:
@@ -114,7 +114,8 @@ class RepairStore:
     store: StoreAddress
     """directory of the episodes"""
     idle_s: float = 600.0
-    """for which nobody must have written to a leftover: it may be a recording in progress"""
+    """seconds since a leftover was last written to, below which it may be a recording in
+    progress"""
 
     def run(self, session: Session) -> int:
         """Repair, then print what was done and what is still wrong; 1 where data is affected."""

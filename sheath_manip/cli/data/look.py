@@ -19,7 +19,7 @@ class ListStore:
     card: bool = False
     """print a data card in markdown instead, for the folder that is handed on"""
     licence: str = "not stated"
-    """of the data, for the card"""
+    """licence of the data, for the data card"""
 
     def run(self, session: Session) -> int:
         """Print the list; 1 where an episode cannot be read."""
@@ -28,9 +28,9 @@ class ListStore:
 
             return print_list(self.store, session.out)
         from sheath_manip.dataset.card import card
-        from sheath_manip.dataset.places import open_place
+        from sheath_manip.dataset.locations import open_store
 
-        reader = open_place(self.store)
+        reader = open_store(self.store)
         names = reader.names()
         task = reader.header(names[0]).info.task if names else ""
         # Not by rich, which would wrap the lines of the table.
@@ -45,7 +45,7 @@ class ShowEpisode:
     store: StoreAddress
     """directory of the episodes, or a URL"""
     episode: str = "0"
-    """name, or place in `sheath data list`, from 0; -1 is the last"""
+    """name of the episode, or its place in `sheath data list`, from 0; -1 is the last"""
 
     def run(self, session: Session) -> int:
         """Print it."""

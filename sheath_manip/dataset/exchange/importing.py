@@ -57,7 +57,7 @@ def import_episodes(
             _require_same(store, recorded)
             held += 1
         else:
-            store.adopt(recorded)
+            store.append_arrays(recorded)
             added += 1
         report(episode_name(recorded.header.info))
     return Imported(added, held)

@@ -27,7 +27,10 @@ class KeyMap:
 
     @classmethod
     def parse(cls, words: Iterable[str]) -> "KeyMap":
-        """From words such as `images/top=img` and `features=pos,vel`; raises ParameterError."""
+        """Return the map that words spell, such as `images/top=img` and `features=pos,vel`.
+
+        Raises ParameterError.
+        """
         keys: dict[str, tuple[str, ...]] = {}
         for word in words:
             ours, _, theirs = word.partition("=")
@@ -41,7 +44,7 @@ class KeyMap:
         return cls(keys)
 
     def over(self, defaults: Mapping[str, tuple[str, ...]], track: Track) -> "KeyMap":
-        """This map with those of `defaults` that the file has and that were not given."""
+        """Return this map with those of `defaults` that the file has and that were not given."""
         there = {k: v for k, v in defaults.items() if all(name in track.keys for name in v)}
         return KeyMap({**there, **self.keys})
 

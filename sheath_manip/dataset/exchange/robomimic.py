@@ -69,7 +69,7 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
 
 
 def place(path: str) -> str:
-    """Where an array of `layout` with a row for each step is in an episode's group."""
+    """Return where an array of `layout` with a row for each step is in an episode's group."""
     if path.startswith("images/"):
         return f"obs/{path.removeprefix('images/')}_image"
     return _RENAMED.get(path, path)

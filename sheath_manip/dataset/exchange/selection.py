@@ -1,4 +1,4 @@
-"""Which episodes, which of their steps, and which of their actions to export."""
+"""A choice of episodes, of their steps and of their actions to export."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ from sheath_manip.types import Outcome
 
 
 class ActionChoice(StrEnum):
-    """Which action stands for `the` action, in formats that know one."""
+    """The action that stands for `the` action, in formats that know one."""
 
     EXECUTED = "executed"
     LABELLED = "labelled"
@@ -27,7 +27,7 @@ class ActionChoice(StrEnum):
 
 @dataclass(frozen=True)
 class Selection:
-    """What of a store to take; by default all of it."""
+    """A choice of what to take of a store; by default all of it."""
 
     successes: bool = False
     """only episodes that succeeded"""
@@ -40,7 +40,7 @@ class Selection:
     """also steps that a person marked as bad"""
 
     def takes(self, header: Header, marks: Marks) -> bool:
-        """Whether anything of that episode may be taken."""
+        """Return whether anything of that episode may be taken."""
         outcome = marks.outcome or header.outcome
         return (not self.successes or outcome is Outcome.SUCCESS) and (
             not self.rounds or header.info.round in self.rounds
@@ -60,7 +60,7 @@ class Selection:
 
 
 def selected(reader: EpisodeReader, selection: Selection) -> Iterator[Recorded]:
-    """What is taken of each episode, read when it is asked for, in the order (round, index, name).
+    """Yield what is taken of each episode, read when asked for, in the order (round, index, name).
 
     Where steps in the middle are left out, each run of those taken is an episode of its own, so
     that consecutive frames stay consecutive in time. Raises StoreError where an episode is damaged,

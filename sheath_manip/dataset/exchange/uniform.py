@@ -11,7 +11,7 @@ REMEDY = "a file holds episodes that are alike; select some, or `sheath data spl
 
 
 def compatible(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
-    """The same episodes; raises StoreError at the first that does not fit those before."""
+    """Yield the same episodes; raises StoreError at the first that does not fit those before."""
     alike = Alike(REMEDY)
     for recorded in episodes:
         alike.take(episode_name(recorded.header.info), RecordedSpec.of(recorded.header))
@@ -19,7 +19,10 @@ def compatible(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
 
 
 def uniform(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
-    """As `compatible`; raises StoreError also for simulator states of another size."""
+    """Yield the same episodes as `compatible`.
+
+    Raises StoreError also for simulator states of another size.
+    """
     size = None
     for recorded in compatible(episodes):
         header = recorded.header

@@ -22,7 +22,7 @@ FIT = "#c9ced6"
 
 
 def bound(summary: Mapping[str, Any], path: Path) -> None:
-    """One panel a method: T (epsilon_N + xi) as the sum of its two parts, and the measured J."""
+    """Draw one panel a method: T (epsilon_N + xi) as a sum of two parts, and the measured J."""
     methods = summary["methods"]
     columns = min(len(methods), 4)
     rows = -(-len(methods) // columns)

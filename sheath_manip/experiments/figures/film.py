@@ -9,7 +9,7 @@ from PIL import Image
 
 from sheath_manip.experiments.figures.intervention import Intervention
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
-from sheath_manip.support.calibration import NOTHING_INSIDE
+from sheath_manip.support.calibration import REJECT_ALL
 from sheath_manip.types import Actor
 
 HEIGHT_PX = 288
@@ -75,7 +75,7 @@ def _draw_score(panel: NDArray[np.uint8], shown: Intervention, now: int) -> None
     scores = np.array([step.decision.score for step in steps])
     thresholds = np.array([step.decision.threshold for step in steps])
     both = np.concatenate([scores, thresholds])
-    drawable = both[np.abs(both) < NOTHING_INSIDE]
+    drawable = both[np.abs(both) < REJECT_ALL]
     low, high = (drawable.min(), drawable.max()) if len(drawable) else (0.0, 1.0)
     x = np.linspace(MARGIN_PX, width - MARGIN_PX, len(steps))
     scale = (height - 8) / max(high - low, 1e-12)

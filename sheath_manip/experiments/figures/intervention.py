@@ -28,7 +28,7 @@ class NothingToShowError(StoreError):
 
 
 def recorded(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
-    """What the first camera saw; raises NothingToShowError where there was none."""
+    """Return what the first camera saw; raises NothingToShowError where there was none."""
     if not episode.final_observation.images:
         raise NothingToShowError(
             f"{episode.info.task} was seen by no camera; wanted images, or a `picture` in its entry"

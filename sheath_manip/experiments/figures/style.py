@@ -132,7 +132,7 @@ def legend_below(figure: Figure, axes: Axes) -> None:
 
 
 def heading(figure: Figure, title: str, below: str) -> None:
-    """What the figure shows, and of what."""
+    """Return a heading: what the figure shows, and of what."""
     figure.suptitle(f"{title}\n\n", x=0.012, ha="left", fontsize=14, fontweight="bold")
     figure.text(
         0.012, 1 - 0.40 * DPI / figure.bbox.height, below, fontsize=9.5, color=GREY, va="top"

@@ -16,7 +16,7 @@ FILE = "displaced.npz"
 
 
 def displaced_states(setting: Setting, report: Report = lambda _: None) -> Mapping[str, Samples]:
-    """By displacement; read where they are there already, made and written otherwise."""
+    """Return the states by displacement, read where there are some, else made and written."""
     path = setting.directory / FILE
     if not path.exists():
         _write(path, _made(setting, report))

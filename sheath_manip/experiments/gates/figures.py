@@ -97,7 +97,7 @@ def roc(
 def failures_by_share(
     task: str, found: Mapping[str, Any], plan: Mapping[str, Any], path: Path
 ) -> None:
-    """How often it fails while the expert acts in so many of the steps."""
+    """Draw how often a gate fails while the expert acts in so many of the steps."""
     rows, looks = found["rows"], highlighted(found)
     with drawing(path, height_px=1000) as figure:
         heading(

@@ -86,7 +86,10 @@ def window_scores(scores: NDArray, window: int) -> NDArray[np.float64]:
 
 
 def lead_steps(scores: NDArray, threshold: float, window: int) -> int | None:
-    """How many steps ahead of the last one the alarm began; None without one in the window."""
+    """Return how many steps ahead of the last one the alarm began.
+
+    The answer is None without an alarm in the window.
+    """
     alarmed = alarms(scores, threshold)
     last = len(scores) - 1
     begin = max(last - window, 0)

@@ -42,7 +42,7 @@ class Demonstrate:
             ).start()
 
     def units(self) -> int:
-        """How often it reports."""
+        """Return how often this job reports."""
         plan = self.setting.learning.schedule
         return plan.demonstrations + plan.calibration + plan.false_alarm_episodes + 1
 
@@ -59,7 +59,7 @@ class Displace:
         displaced_states(self.setting, report)
 
     def units(self) -> int:
-        """How often it reports."""
+        """Return how often this job reports."""
         new = self.setting.learning.schedule.false_alarm_episodes
         return min(self.setting.plan.displaced_episodes, new)
 
@@ -76,7 +76,7 @@ class Visit:
         record_visits(self.setting, report)
 
     def units(self) -> int:
-        """How often it reports."""
+        """Return how often this job reports."""
         return self.setting.plan.visited
 
 
@@ -110,7 +110,7 @@ class Judge:
         report("cross-fitted policies")
 
     def units(self) -> int:
-        """How often it reports."""
+        """Return how often this job reports."""
         return 1
 
 
@@ -158,7 +158,7 @@ class Score:
             report(f"gate {row.name}")
 
     def units(self) -> int:
-        """How often it reports."""
+        """Return how often this job reports."""
         return len(self.rows)
 
 
@@ -178,7 +178,7 @@ class Drive:
             write_loop(path, run_loop(self.setting, self.row, self.size, report))
 
     def units(self) -> int:
-        """How often it reports."""
+        """Return how often this job reports."""
         rates = self.setting.plan.rates
         gates = BASELINES[self.row](rates) if self.row in BASELINES else rates
         return len(gates) * self.size.episodes + self.size.held_out
@@ -188,7 +188,7 @@ AnyJob = Demonstrate | Displace | Visit | Judge | Score | Drive
 
 
 def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
-    """What must be done before what, the most interesting first."""
+    """Return what must be done before what, the most interesting first."""
     score: list[AnyJob] = []
     first: list[AnyJob] = []
     others: list[AnyJob] = []
@@ -211,10 +211,10 @@ def stages(settings: Sequence[Setting]) -> list[list[AnyJob]]:
 
 
 def main_size(plan: GatesPlan) -> Size:
-    """Of the baselines and of rows that differ from the default in one part at most."""
+    """Return the size for baselines and for rows with one part at most that is no default."""
     return Size(plan.episodes, plan.held_out)
 
 
 def other_size(plan: GatesPlan) -> Size:
-    """Of the rest of the grid."""
+    """Return the size for the rest of the grid."""
     return Size(plan.other_episodes, plan.other_held_out)

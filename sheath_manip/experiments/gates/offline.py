@@ -24,7 +24,7 @@ from sheath_manip.protocols import Reader, TrainablePolicy
 from sheath_manip.support.calibration import (
     episode_threshold,
     held_out_threshold,
-    or_nothing_inside,
+    or_reject_all,
 )
 from sheath_manip.types.samples import Samples, samples_from
 from sheath_manip.types.seen import Seen
@@ -190,7 +190,7 @@ def _alarm(
     thresholds = {
         "step": threshold,
         "window": _threshold(windows, plan.alarm_rate),
-        "episode": or_nothing_inside(lambda: episode_threshold(calibration, episode_rate)),
+        "episode": or_reject_all(lambda: episode_threshold(calibration, episode_rate)),
     }
     before = before_failure(drives, plan.window)
     free = failure_free(drives, plan.window, plan.spared)
@@ -205,7 +205,7 @@ def _alarm(
 
 
 def _threshold(scores_by_episode: Sequence[NDArray], rate: float) -> float:
-    return or_nothing_inside(lambda: held_out_threshold(scores_by_episode, rate))
+    return or_reject_all(lambda: held_out_threshold(scores_by_episode, rate))
 
 
 def _curve(inside: NDArray, outside: NDArray) -> list[float]:

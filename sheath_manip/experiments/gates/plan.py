@@ -56,7 +56,7 @@ class GatesPlan:
     """held-out scenes for the rest of the grid; with 0 no policy learns there"""
 
     def in_loop(self, main: bool) -> bool:
-        """Whether a row takes part in the loop that is a main one, or belongs to the rest."""
+        """Return whether a row takes part in the loop, by whether it is a main one."""
         return main or self.other_episodes > 0
 
     def __post_init__(self) -> None:
@@ -75,11 +75,11 @@ class GatesPlan:
                     raise UnknownNameError(kind, name, known)
 
     def described(self) -> dict[str, Any]:
-        """As plain values, for summaries."""
+        """Return the plan as plain values, for summaries."""
         return dataclasses.asdict(self)
 
     def settings(self) -> dict[str, Any]:
-        """What a resumed run must have in common: all but which rows there are, and which seeds."""
+        """Return what a resumed run must have in common: all but the choice of rows and seeds."""
         rows = ("tasks", "embeddings", "supports", "seeds")
         return {name: value for name, value in self.described().items() if name not in rows}
 

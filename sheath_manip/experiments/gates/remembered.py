@@ -22,7 +22,7 @@ class Remembered:
 
     @property
     def uses_displaced(self) -> bool:
-        """Whether the embedding does."""
+        """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
     def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:

@@ -21,7 +21,7 @@ from sheath_manip.types.samples import Samples, samples_from
 
 @dataclass(frozen=True)
 class Setting:
-    """It travels to worker processes; what it names is read from the disk there."""
+    """A setting that travels to worker processes; what it names is read from the disk there."""
 
     study: Study
     plan: GatesPlan
@@ -50,7 +50,7 @@ class Setting:
 
     @property
     def directory(self) -> Path:
-        """For all that is no episode."""
+        """The directory for all that is no episode."""
         return self.runs / f"s{self.seed}"
 
     @property
@@ -67,37 +67,37 @@ class Setting:
         return EpisodeStore(self.runs / "store")
 
     def cloned_path(self) -> Path:
-        """Of the one policy that all gates watch over, fitted to the demonstrations."""
+        """Return the path of the policy that all gates watch over, fitted to demonstrations."""
         return round_path(self.runs, self.seed, EXPERT, 0, "npz")
 
     def cloned(self, spec: TaskSpec) -> Checkpoint:
-        """That policy, with the default gate."""
+        """Return the policy that all gates watch over, with the default gate."""
         return load_checkpoint(self.cloned_path(), spec)
 
     def offline_path(self, row: str) -> Path:
-        """What a row's scores say about recorded states."""
+        """Return the path of what a row's scores say about recorded states."""
         return self.directory / "offline" / f"{row}.json"
 
     def agreement_path(self) -> Path:
-        """Where policies that have not seen a state do there as its label says."""
+        """Return the path of where policies do as the label says of a state new to them."""
         return self.directory / "agreement.npy"
 
     def checkpoint_path(self, row: str) -> Path:
-        """Of a row's gate."""
+        """Return the path of a row's gate."""
         return self.directory / "offline" / f"{row}.npz"
 
     def loop_path(self, row: str) -> Path:
-        """What happened under a row's gate."""
+        """Return the path of what happened under a row's gate."""
         return self.directory / "loop" / f"{row}.json"
 
     def demonstrations(self) -> Samples:
-        """What the policy and every gate are fitted to."""
+        """Return what the policy and every gate are fitted to."""
         return samples_from(
             self.store().episodes(Purpose.DEMONSTRATION, EXPERT, 0, run_seed=self.seed)
         )
 
     def calibration(self) -> list[Samples]:
-        """One a held-out expert episode, for thresholds."""
+        """Return the held-out expert episodes, for thresholds."""
         return [samples_from([episode]) for episode in self._held_out()][
             : self.learning.schedule.calibration
         ]

@@ -32,7 +32,7 @@ class Point:
 
 @dataclass(frozen=True)
 class AtShare:
-    """Between the two points nearest to the plan's share, one of which may be the policy alone
+    """Values between the points nearest to the plan's share, one of which may be the policy alone
     (share 0) or the expert (1) on the same scenes: everything is interpolated, intervals too."""
 
     expert_share: float
@@ -58,7 +58,7 @@ class InLoop:
 def summarise(
     settings: Sequence[Setting], plan: GatesPlan, command: str, wall_s: float
 ) -> dict[str, Any]:
-    """Everything that the benchmark showed, as plain values; null stands for NaN."""
+    """Return everything that the benchmark showed, as plain values; null stands for NaN."""
     by_task: dict[str, list[Setting]] = {}
     for setting in settings:
         by_task.setdefault(setting.task.name, []).append(setting)
@@ -76,7 +76,10 @@ def summarise(
 
 
 def task_summary(settings: Sequence[Setting]) -> dict[str, Any]:
-    """One task; its training seeds pooled, in the loop those that took part in it."""
+    """Return the summary of one task.
+
+    The training seeds are pooled, in the loop those that took part in it.
+    """
     first = settings[0]
     in_loop = [setting for setting in settings if setting.in_loop]
     listed = rows(first.plan, first.learning)

@@ -12,7 +12,7 @@ Rows = Mapping[str, Mapping[str, Any]]
 
 
 def tables(summary: Mapping[str, Any]) -> Group:
-    """Of every task: what the gates notice and foresee, and what happens in the loop."""
+    """Return every task's tables: what the gates notice, foresee, and do in the loop."""
     parts = []
     for task, found in summary["tasks"].items():
         ordered = by_costly_mistakes(found["rows"])

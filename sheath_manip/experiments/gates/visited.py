@@ -53,7 +53,7 @@ class Judged:
         self._driver = AlwaysPolicy(query=True)
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is nothing to forget."""
         self._driver.reset(rng)
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
@@ -91,7 +91,7 @@ def record_visits(setting: Setting, report: Report) -> None:
 
 
 def visits(setting: Setting) -> list[Visit]:
-    """What was recorded."""
+    """Return what was recorded."""
     stored = setting.store().episodes(Purpose.EVALUATION, POLICY, 0, run_seed=setting.seed)
     costly_regret = setting.probes.costly_regret
     environment = setting.environment()

@@ -32,7 +32,7 @@ class NuPlan:
             raise ParameterError("seeds is empty; wanted at least one")
 
     def described(self) -> dict[str, Any]:
-        """As plain values, for summaries."""
+        """Return the plan as plain values, for summaries."""
         return dataclasses.asdict(self)
 
     def of(self, study: Study, nu: float) -> LearningPlan:

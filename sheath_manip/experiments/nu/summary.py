@@ -33,14 +33,14 @@ class Setting:
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """Of its training runs."""
+        """The seeds of the training runs."""
         return self.plan.comparison.seeds
 
 
 def summarise(
     settings: Sequence[Setting], plan: NuPlan, command: str, wall_s: float
 ) -> dict[str, Any]:
-    """Everything that the benchmark showed, as plain values; null stands for NaN.
+    """Return everything that the benchmark showed, as plain values; null stands for NaN.
 
     Of each task: the expert's figures, and for each nu what SHEATH did with it (the shape of an
     experiment's method) and `outside`, the share of the steps met in rounds 1 and up that lay
@@ -75,7 +75,7 @@ def summarise(
 
 
 def table(summary: Mapping[str, Any]) -> Group:
-    """One row a nu; fits a terminal of 80 columns."""
+    """Return a table with one row a nu; fits a terminal of 80 columns."""
     return Group(*(_table(task, found) for task, found in summary["tasks"].items()))
 
 

@@ -17,18 +17,18 @@ def third_of_daggers(summary: Summary) -> float:
 
 
 def expert_share(summary: Summary) -> float:
-    """Of SHEATH's steps over all rounds."""
+    """Return the expert's share of SHEATH's steps over all rounds."""
     return summary["methods"]["sheath"]["overall"]["expert_share"]
 
 
 def rounds_above_random(summary: Summary) -> float:
-    """In how many rounds SHEATH failed more often than random takeover of its share."""
+    """Return in how many rounds SHEATH failed more often than random takeover of its share."""
     ours, random = (_executed(summary, method) for method in ("sheath", "random-takeover"))
     return sum(own > other for own, other in zip(ours, random, strict=False))
 
 
 def rounds_not_below_random_so_far(summary: Summary) -> float:
-    """After how many rounds SHEATH had failed as often as random takeover, or more.
+    """Return after how many rounds SHEATH had failed as often as random takeover, or more.
 
     Counted from the first round on: where neither failed a round tells nothing of its own.
     """
@@ -58,18 +58,18 @@ def interval_width(summary: Summary) -> float:
 
 
 def experts_failure_rate(summary: Summary) -> float:
-    """Of all episodes that the expert drove alone."""
+    """Return the failure rate of all episodes that the expert drove alone."""
     return summary["expert"]["failure_rate"]
 
 
 def false_alarm_error(summary: Summary) -> float:
-    """How far SHEATH's mean false-alarm rate on fresh expert laps is from the asked one."""
+    """Return how far SHEATH's mean false-alarm rate on fresh expert laps is from the asked one."""
     asked = summary["plan"]["gate"]["threshold"]["false_alarm_rate"]
     return abs(summary["methods"]["sheath"]["overall"]["false_alarm_rate"] - asked)
 
 
 def rounds(summary: Summary) -> float:
-    """After the demonstrations."""
+    """Return the number of rounds after the demonstrations."""
     return len(summary["methods"]["sheath"]["rounds"]) - 1
 
 

@@ -24,12 +24,12 @@ def support(summary: Summary) -> Mapping[str, Any]:
 
 
 def auroc(displacement: str, summary: Summary) -> float:
-    """Of new expert states against the displaced ones."""
+    """Return the AUROC of new expert states against the displaced ones."""
     return support(summary)["auroc"][displacement]
 
 
 def lowest_auroc(summary: Summary) -> float:
-    """Of the displacements off the road."""
+    """Return the lowest AUROC of the displacements off the road."""
     return min(auroc(name, summary) for name in OFF_THE_ROAD)
 
 
@@ -39,7 +39,7 @@ def expert_inside(summary: Summary) -> float:
 
 
 def least_outside(summary: Summary) -> float:
-    """Of the displacements off the road, the lowest share outside at that threshold."""
+    """Return, of the displacements off the road, the lowest share outside at that threshold."""
     return min(support(summary)["few"]["far_outside"][name] for name in OFF_THE_ROAD)
 
 
@@ -64,12 +64,12 @@ def foreseen(summary: Summary) -> float:
 
 
 def setting(name: str, summary: Summary) -> float:
-    """Of the benchmark."""
+    """Return a setting of the benchmark."""
     return summary["plan"][name]
 
 
 def learning(name: str, summary: Summary) -> float:
-    """Of what was demonstrated."""
+    """Return a setting of what was demonstrated."""
     return summary["tasks"]["driving"]["learning"]["schedule"][name]
 
 

@@ -44,7 +44,7 @@ class Crack:
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
-        """All that have been made, in order."""
+        """All cuts that have been made, in order."""
         return tuple(self._cuts)
 
     @property

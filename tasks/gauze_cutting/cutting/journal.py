@@ -29,13 +29,13 @@ class Cut:
     """where the vertex `end` was moved to, in material coordinates, before it was cut"""
 
     def row(self) -> NDArray[np.float64]:
-        """(5,) as plain numbers."""
+        """Return the entry as (5,) plain numbers."""
         moved = self.snapped_m is not None
         return np.array([self.start, self.end, moved, *(self.snapped_m or (0.0, 0.0))])
 
     @classmethod
     def of(cls, row: NDArray) -> "Cut":
-        """From a `row()`."""
+        """Return the entry of a `row()`."""
         moved = (float(row[3]), float(row[4])) if row[2] else None
         return cls(int(row[0]), int(row[1]), moved)
 

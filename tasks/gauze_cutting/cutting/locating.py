@@ -1,4 +1,4 @@
-"""From places in the world to material coordinates and back, by the deformed elements."""
+"""Conversion of places in the world to material coordinates and back, by the deformed elements."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class Place:
 
     @property
     def inside(self) -> bool:
-        """Whether the element holds it, and it was not extrapolated."""
+        """Whether the element holds the place, which was not extrapolated."""
         return bool(self.weights.min() >= -1e-9)
 
 
@@ -44,7 +44,7 @@ class Lie:
     """(n, 3) of the vertices in the world frame"""
 
     def copy(self) -> "Lie":
-        """One that stays as it is when the sheet moves on."""
+        """Return one that stays as it is when the sheet moves on."""
         return Lie(self.elements.copy(), self.material_m.copy(), self.positions_m.copy())
 
     def below(self, point_m: NDArray, near_m: NDArray, radius_m: float) -> Place:
@@ -65,7 +65,10 @@ class Lie:
         return self._place(int(chosen[best]), weights[best])
 
     def of(self, material_m: NDArray) -> Place:
-        """Where the material point (2,) `material_m` is; beside the sheet it is extrapolated."""
+        """Return where the material point (2,) `material_m` is.
+
+        Beside the sheet it is extrapolated.
+        """
         weights = barycentric(self.material_m[self.elements], material_m)
         element = int(weights.min(axis=1).argmax())
         return self._place(element, weights[element])
@@ -93,12 +96,12 @@ class Lie:
 
 
 def lie_of(sheet: Sheet, data: mujoco.MjData) -> Lie:
-    """How `sheet` lies now, as far as the bodies' kinematics are up to date."""
+    """Return how `sheet` lies now, as far as the bodies' kinematics are up to date."""
     return Lie(sheet.active_elements, sheet.rest_m, vertex_positions(sheet, data))
 
 
 def vertex_positions(sheet: Sheet, data: mujoco.MjData) -> NDArray[np.float64]:
-    """(n, 3) in the world frame."""
+    """Return the (n, 3) vertices in the world frame."""
     positions = data.xpos[sheet.bodies]
     pinned = np.flatnonzero(sheet.pinned)
     turned = data.xmat[sheet.bodies[pinned]].reshape(-1, 3, 3)

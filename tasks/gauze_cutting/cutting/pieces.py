@@ -28,13 +28,13 @@ def free_pieces(sheet: Sheet) -> list[NDArray[np.int64]]:
 
 
 def area_m2(sheet: Sheet, elements: NDArray) -> float:
-    """Of a piece, in material coordinates."""
+    """Return the area of a piece, in material coordinates."""
     a, b, c = sheet.rest_m[sheet.elements[elements]].transpose(1, 0, 2)
     return float(np.abs(_cross(b - a, c - a)).sum() / 2)
 
 
 def area_in_circle_m2(sheet: Sheet, elements: NDArray, centre_m: NDArray, radius_m: float) -> float:
-    """How much of a piece lies in a circle, exactly.
+    """Return how much of a piece lies in a circle, exactly.
 
     The signed areas that the circle shares with the triangles from its centre to each side of an
     element add up to what it shares with the element; sides between two elements cancel out.

@@ -110,12 +110,12 @@ class Sheet:
 
     @property
     def spare_vertices(self) -> int:
-        """How many are left."""
+        """The number of spare vertices that are left."""
         return len(self.rest_m) - len(self.mesh.points_m) - self._vertices_used
 
     @property
     def spare_edges(self) -> int:
-        """How many are left."""
+        """The number of spare edges that are left."""
         return len(self._spare_edges) - self._edges_used
 
     @property
@@ -146,12 +146,12 @@ class Sheet:
             self.bending *= factor
 
     def take_vertex(self) -> int:
-        """One of the pool; the caller has seen that there is one."""
+        """Take a vertex of the pool; the caller has seen that there is one."""
         self._vertices_used += 1
         return self.spares.start - 1
 
     def take_edge(self) -> int:
-        """One of the pool; the caller has seen that there is one."""
+        """Take an edge of the pool; the caller has seen that there is one."""
         self._edges_used += 1
         return int(self._spare_edges[self._edges_used - 1])
 
@@ -173,7 +173,7 @@ class Sheet:
         return np.flatnonzero(same)
 
     def on_rim(self, vertex: int) -> bool:
-        """Whether it lies on the outer edge or on a cut."""
+        """Return whether a vertex lies on the outer edge or on a cut."""
         around = np.unique(self.element_edges[self.elements_at(vertex)])
         own = around[(self.edges[around] == vertex).any(axis=1)]
         return bool((self.flaps[own, 1] == NONE).any())

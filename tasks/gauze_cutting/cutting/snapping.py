@@ -10,7 +10,7 @@ LEAST_QUALITY = 0.12
 
 
 def quality(corners_m: NDArray) -> NDArray[np.float64]:
-    """(n,) of (n, 3, 2) triangles: 1 equilateral, 0 flat, negative turned over."""
+    """Return the (n,) quality of (n, 3, 2) triangles: 1 equilateral, 0 flat, < 0 turned over."""
     a, b, c = corners_m.transpose(1, 0, 2)
     first, second = b - a, c - a
     doubled_area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
@@ -19,7 +19,7 @@ def quality(corners_m: NDArray) -> NDArray[np.float64]:
 
 
 def may_snap(sheet: Sheet, vertex: int, point_m: NDArray) -> bool:
-    """Whether `vertex` is free to move to (2,) `point_m`, and no element becomes a sliver by it."""
+    """Return whether `vertex` is free to move to (2,) `point_m` and no element becomes a sliver."""
     if sheet.pinned[vertex] or sheet.on_rim(vertex):
         return False
     around = sheet.elements[sheet.elements_at(vertex)]

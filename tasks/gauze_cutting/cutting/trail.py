@@ -17,7 +17,7 @@ class BladeTrail:
 
     @property
     def length_m(self) -> float:
-        """Along it."""
+        """The length along the trail."""
         return float(np.linalg.norm(np.diff(self.points_m, axis=0), axis=1).sum())
 
     def start(self, point_m: NDArray) -> None:
@@ -43,7 +43,7 @@ class BladeTrail:
         self.points_m = np.concatenate([[point_m], self.points_m[ends > along_m + 1e-12]])
 
     def nearest(self, points_m: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """Of (n, 2) points: (n,) distance, (n,) place along the trail, (n, 2) the foot there."""
+        """Return for (n, 2) points (n,) distances, (n,) places on the trail, (n, 2) feet there."""
         start, way = self.points_m[:-1], np.diff(self.points_m, axis=0)
         lengths = np.linalg.norm(way, axis=1)
         offset = points_m[:, None] - start

@@ -30,7 +30,7 @@ class OpenLoop:
         self._lie = self._believed(self._task)
 
     def act(self, observation: Observation) -> Action:  # noqa: ARG002
-        """(2,) as the task's action spec has it."""
+        """Return (2,) as the task's action spec has it."""
         if self._lie is None:
             self.reset()
         assert self._lie is not None
@@ -48,10 +48,10 @@ def nominal(task: GauzeTask) -> Lie:  # noqa: ARG001
 
 
 def blind(environment: ComposerEnvironment) -> OpenLoop:
-    """Along the circle where it would be with nothing out of place."""
+    """Cut along the circle where it would be with nothing out of place."""
     return OpenLoop(environment, nominal)
 
 
 def registered(environment: ComposerEnvironment) -> OpenLoop:
-    """Along the circle where it lies when the episode starts."""
+    """Cut along the circle where it lies when the episode starts."""
     return OpenLoop(environment, lambda task: task.workpiece.lie().copy())

@@ -11,17 +11,17 @@ def toppled_while_learning(method: str, summary: Summary) -> float:
 
 
 def last_expert_share(summary: Summary) -> float:
-    """Of SHEATH's steps in the last round."""
+    """Return the expert's share of SHEATH's steps in the last round."""
     return summary["methods"]["sheath"]["rounds"][-1]["expert_share"]
 
 
 def success_alone(method: str, summary: Summary) -> float:
-    """Of the method's last policies alone, on the final held-out scenes."""
+    """Return the success of the method's last policies alone, on the final held-out scenes."""
     return summary["methods"][method]["final"]["success_rate"]
 
 
 def success_gained(method: str, summary: Summary) -> float:
-    """What the last policies alone succeed more often than the first, on the same scenes."""
+    """Return what the last policies alone succeed more often than the first, on the same scenes."""
     rounds = summary["methods"][method]["rounds"]
     first, last = (entry["policy"]["success_rate"] for entry in (rounds[0], rounds[-1]))
     return last - first
@@ -34,7 +34,7 @@ def demonstrations(summary: Summary) -> float:
 
 
 def rounds(summary: Summary) -> float:
-    """After the demonstrations."""
+    """Return the number of rounds after the demonstrations."""
     return summary["methods"]["sheath"]["rounds"][-1]["round"]
 
 

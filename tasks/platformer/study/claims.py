@@ -16,13 +16,13 @@ def executed_tiles(method: str, summary: Summary) -> float:
 
 
 def daggers_converged_tiles(summary: Summary) -> float:
-    """What DAgger's policy comes to: its mean distance alone over the last rounds."""
+    """Return what DAgger's policy comes to: its mean distance alone over the last rounds."""
     rounds = summary["methods"]["dagger"]["rounds"][-CONVERGED_ROUNDS:]
     return float(np.mean([entry["policy"]["metric"]["distance_tiles"] for entry in rounds]))
 
 
 def most_of_the_experts(summary: Summary) -> float:
-    """90 % of the expert's mean distance."""
+    """Return 90 % of the expert's mean distance."""
     return 0.9 * summary["expert"]["metric"]["distance_tiles"]
 
 
@@ -45,7 +45,7 @@ def queries(method: str, summary: Summary) -> float:
 
 
 def few_of_daggers_queries(summary: Summary) -> float:
-    """30 % of DAgger's."""
+    """Return 30 % of DAgger's queries."""
     return 0.3 * queries("dagger", summary)
 
 
@@ -55,7 +55,7 @@ def stages(summary: Summary) -> float:
 
 
 def rounds(summary: Summary) -> float:
-    """After the demonstrations."""
+    """Return the number of rounds after the demonstrations."""
     return summary["methods"]["sheath"]["rounds"][-1]["round"]
 
 

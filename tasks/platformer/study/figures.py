@@ -74,7 +74,7 @@ def before_a_gap(
 
 
 def write_scene(environment: ComposerEnvironment, path: Path, width_px: int = WIDTH_PX) -> None:
-    """What is around the player now, and below it the whole stage."""
+    """Write a picture of what is around the player now, and below it the whole stage."""
     pictures = [
         frame(environment, width_px, FRAME_HEIGHT_PX * width_px // WIDTH_PX),
         np.zeros((4, width_px, 3), np.uint8),

@@ -7,12 +7,12 @@ from sklearn.svm import OneClassSVM
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.support import dual
 from sheath_manip.support.agreeing_states import AgreeingSupport
-from sheath_manip.support.blocks import BlockSolver
+from sheath_manip.support.block_solver import BlockSolver
+from sheath_manip.support.dense_solver import solve_dense
 from sheath_manip.support.dual import DIRECT_POINTS
 from sheath_manip.support.loss_aware_svm import LossAwareSupport
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.support.vectors import median_squared_distance, squared_distances
-from sheath_manip.support.whole import solve_whole
 
 
 def cloud(kind: str, count: int, width: int = 12) -> np.ndarray:
@@ -40,7 +40,7 @@ def test_blocks_find_the_optimum_of_the_whole(kind, nu, factor, errors):
     signs = np.where(np.random.default_rng(1).random(500) < errors, -1.0, 1.0)
     most = 1 / (500 * np.where(signs > 0, nu, 0.9))
     matrix = np.exp(squared_distances(X) / -c) * signs * signs[:, None]
-    expected, expected_rho = solve_whole(matrix, most, 1.0, 1e-6)
+    expected, expected_rho = solve_dense(matrix, most, 1.0, 1e-6)
     weights, rho = BlockSolver.of(X, c, most, signs).solve()
 
     assert weights.sum() == pytest.approx(1)

@@ -1,23 +1,23 @@
-"""In the scene: what deforms."""
+"""A widget in the scene: what deforms."""
 
 import numpy as np
 import viser
 
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 
 
 class Surfaces:
-    """One mesh a surface, its vertices moved and its faces changed as they are."""
+    """Surfaces in the scene: one mesh each, its vertices and faces changed as they are."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._scene = desk.viser.scene
+    def __init__(self, context: WidgetContext) -> None:
+        self._scene = context.viser.scene
         self._meshes: list[viser.MeshHandle] = []
 
-    def draw(self, moment: Moment) -> None:
-        """Show the moment's surfaces."""
-        surfaces = moment.pose.surfaces
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show the snapshot's surfaces."""
+        surfaces = snapshot.pose.surfaces
         while len(self._meshes) > len(surfaces):
             self._meshes.pop().remove()
         for index, surface in enumerate(surfaces):

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import viser
 
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback.trace import Trace
 from sheath_manip.types import REASONS
 
@@ -19,12 +19,12 @@ class Interventions:
 
     def __init__(
         self,
-        desk: Desk,
+        context: WidgetContext,
         look_at: Callable[[int], None],
         release: Callable[[], None] | None = None,
     ) -> None:
         """`look_at` shows a step, `release` the present; what is recorded has none."""
-        gui = desk.viser.gui
+        gui = context.viser.gui
         self._look_at = look_at
         self._starts: list[int] = []
         self._at = -1
@@ -40,7 +40,7 @@ class Interventions:
 
         @self._list.on_update
         async def _(event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
-            # What this part sets itself has no client.
+            # What this widget sets itself has no client.
             if event.client_id is not None and self._list.value in self._options:
                 place = self._options.index(self._list.value)
                 if place < len(self._starts):
@@ -55,19 +55,19 @@ class Interventions:
             if release is not None:
                 release()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """List what the shown episode has."""
-        turns = list(enumerate(moment.trace.turns, 1))[-LISTED:]
+        turns = list(enumerate(snapshot.trace.turns, 1))[-LISTED:]
         self._starts = [start for _, (start, _) in turns]
-        self._at = moment.at
-        options = tuple(_line(number, moment.trace, *turn) for number, turn in turns) or (NONE,)
+        self._at = snapshot.at
+        options = tuple(_line(number, snapshot.trace, *turn) for number, turn in turns) or (NONE,)
         if options != self._options:
             self._list.options = self._options = options
         # The one under way, or the last before.
-        shown = options[max(0, sum(start <= moment.at for start in self._starts) - 1)]
+        shown = options[max(0, sum(start <= snapshot.at for start in self._starts) - 1)]
         if self._list.value != shown:
             self._list.value = shown
-        self._back.visible = self._has_present and not moment.present
+        self._back.visible = self._has_present and not snapshot.present
 
     def _jump(self, forward: bool) -> None:
         if forward:

@@ -4,11 +4,11 @@ from html import escape
 
 import viser
 
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.markup import TEXT
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dataset.reader import EpisodeSummary
 from sheath_manip.playback import palette
 
@@ -20,11 +20,11 @@ _LEFT = "text-align:left;padding-left:.6em"
 class EpisodeList:
     """A list to choose from, and a table of what lies around."""
 
-    def __init__(self, desk: Desk, shelf: Shelf, player: Player) -> None:
-        gui = desk.viser.gui
-        self._shelf = shelf
+    def __init__(self, context: WidgetContext, catalog: EpisodeCatalog, player: Player) -> None:
+        gui = context.viser.gui
+        self._catalog = catalog
         self._player = player
-        self._summaries: list[EpisodeSummary] = shelf.summaries
+        self._summaries: list[EpisodeSummary] = catalog.summaries
         self._lines = [_line(*each) for each in enumerate(self._summaries)]
         self.choice = gui.add_dropdown("Episode", tuple(self._lines))
         self.move = gui.add_button_group("Go", ("‹ before", "next ›"))
@@ -38,11 +38,11 @@ class EpisodeList:
         @self.move.on_click
         async def _(_: viser.GuiEvent) -> None:
             forward = self.move.value == "next ›"
-            player.load((player.now.place + (1 if forward else -1)) % len(shelf))
+            player.load((player.now.place + (1 if forward else -1)) % len(catalog))
 
-    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+    def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Show which one is on, and what was marked since."""
-        place, summaries = self._player.now.place, self._shelf.summaries
+        place, summaries = self._player.now.place, self._catalog.summaries
         if summaries != self._summaries:
             self._summaries = summaries
             self._lines = [_line(*each) for each in enumerate(summaries)]

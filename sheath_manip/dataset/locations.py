@@ -1,4 +1,4 @@
-"""Where episodes can be: a directory of this machine, or a URL of an object store."""
+"""The places where episodes can be: a directory of this machine, or a URL of an object store."""
 
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from sheath_manip.dataset.remote import RemoteStore
 
 
-def open_place(address: str, create: bool = False) -> "EpisodeStore | RemoteStore":
+def open_store(address: str, create: bool = False) -> "EpisodeStore | RemoteStore":
     """The store at a directory or URL, begun first where there is none and `create` says so.
 
     Raises StoreError where there is none, and SetupError where a URL wants a package that is not

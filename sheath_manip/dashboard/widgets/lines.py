@@ -1,26 +1,26 @@
-"""In the scene: lines that move and grow."""
+"""A widget in the scene: lines that move and grow."""
 
 import numpy as np
 import viser
 
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 
 THICKNESS_PX = 4.0
 
 
 class Lines:
-    """One viser node a line, moved as it is."""
+    """Lines in the scene: one viser node each, moved as it is."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._scene = desk.viser.scene
+    def __init__(self, context: WidgetContext) -> None:
+        self._scene = context.viser.scene
         self._lines: list[viser.LineSegmentsHandle] = []
 
-    def draw(self, moment: Moment) -> None:
-        """Show the moment's lines."""
-        lines = moment.pose.lines
+    def draw(self, snapshot: Snapshot) -> None:
+        """Show the snapshot's lines."""
+        lines = snapshot.pose.lines
         while len(self._lines) > len(lines):
             self._lines.pop().remove()
         for index, line in enumerate(lines):

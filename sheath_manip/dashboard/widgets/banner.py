@@ -7,8 +7,8 @@ import numpy as np
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.dashboard.markup import BOX
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import FALLBACK, actor_label
 from sheath_manip.types import Actor, GateDecision, Reason
@@ -17,23 +17,23 @@ from sheath_manip.types import Actor, GateDecision, Reason
 class Banner:
     """Who acts, for which reason, at which score; or how the episode ended."""
 
-    def __init__(self, desk: Desk, cockpit: Cockpit | None = None) -> None:
+    def __init__(self, context: WidgetContext, cockpit: Cockpit | None = None) -> None:
         """`cockpit` is a live run's: while that stands still, its last step tells nothing."""
         self._cockpit = cockpit
-        self._box = desk.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
+        self._box = context.viser.gui.add_html(_box(palette.GREY, "waiting", "for the first step"))
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show the latest decision."""
         state = None if self._cockpit is None else self._cockpit.state
-        if moment.outcome is not None:
-            colour = palette.OUTCOME[moment.outcome]
-            self._box.content = _box(colour, moment.outcome.value, "episode over")
-        elif state is not None and moment.present and _stands_still(state):
+        if snapshot.outcome is not None:
+            colour = palette.OUTCOME[snapshot.outcome]
+            self._box.content = _box(colour, snapshot.outcome.value, "episode over")
+        elif state is not None and snapshot.present and _stands_still(state):
             reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
             self._box.content = _held(reason)
-        elif moment.step is not None:
+        elif snapshot.step is not None:
             fallback = FALLBACK if state is None else state.fallback
-            self._box.content = _banner(moment.step.decision, fallback)
+            self._box.content = _banner(snapshot.step.decision, fallback)
 
 
 def _stands_still(state: State) -> bool:

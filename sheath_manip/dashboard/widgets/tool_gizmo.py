@@ -4,10 +4,10 @@ import numpy as np
 import viser
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 
 SCALE_M, SHARE_OF_VIEW = 0.14, 0.25
 """length of its arrows, the second one as a share of what is seen around the tool at first"""
@@ -16,11 +16,11 @@ SCALE_M, SHARE_OF_VIEW = 0.14, 0.25
 class ToolGizmo:
     """Lies on the tool while nobody drags it; visible while a person drives a robot with a tool."""
 
-    def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
+    def __init__(self, context: WidgetContext, cockpit: Cockpit) -> None:
         self._cockpit = cockpit
         self._dragged_by: int | None = None
-        view = desk.spec.first_view
-        self.handle = desk.viser.scene.add_transform_controls(
+        view = context.spec.first_view
+        self.handle = context.viser.scene.add_transform_controls(
             f"{WORLD}/tool_gizmo",
             scale=SCALE_M if view is None else SHARE_OF_VIEW * view.radius_m,
             active_axes=(True, True, not cockpit.planar),
@@ -34,7 +34,7 @@ class ToolGizmo:
             if event.client_id is not None:
                 self._follow(event.client_id, event.phase)
 
-    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+    def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Put it where the tool is, unless somebody drags it."""
         pose, state = self._cockpit.tool_pose, self._cockpit.state
         if self._dragged_by is not None and state.operator != station_of(self._dragged_by):

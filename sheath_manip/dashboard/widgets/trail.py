@@ -1,12 +1,12 @@
-"""In the scene: the way of the tool, coloured by who acted, and where bodies touch."""
+"""A widget in the scene: the way of the tool, coloured by who acted, and where bodies touch."""
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.scene import WORLD
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import ACTORS
 
@@ -23,10 +23,10 @@ COLOURS = np.array([palette.linear(palette.ACTOR[actor]) for actor in ACTORS], n
 
 
 class Trail:
-    """One line of segments, and one cloud of points."""
+    """The tool's trail: one line of segments, and one cloud of points."""
 
-    def __init__(self, desk: Desk) -> None:
-        scene, view = desk.viser.scene, desk.spec.first_view
+    def __init__(self, context: WidgetContext) -> None:
+        scene, view = context.viser.scene, context.spec.first_view
         # viser takes no line without a segment.
         nothing = np.zeros((1, 2, 3), np.float32)
         self._line = scene.add_line_segments(
@@ -48,9 +48,9 @@ class Trail:
             visible=False,
         )
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show the way up to the shown step."""
-        shown = moment.trace.until(moment.at + 1)
+        shown = snapshot.trace.until(snapshot.at + 1)
         first = max(len(shown) - TRAIL_STEPS, 0)
         way = shown.tool_m[first:].astype(np.float32)
         drawable = len(way) > 1 and bool(np.isfinite(way).all())
@@ -58,7 +58,7 @@ class Trail:
             colours = COLOURS[shown.actor[first + 1 :]]
             _set_line(self._line, np.stack([way[:-1], way[1:]], 1), colours)
         self._line.visible = drawable
-        contacts = moment.pose.contacts_m
+        contacts = snapshot.pose.contacts_m
         if len(contacts):
             self._contacts.points = contacts.astype(np.float32)
         self._contacts.visible = len(contacts) > 0

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.support.dense_solver import solve_dense
 from sheath_manip.support.gaussian import LARGEST_SQUARE, GaussianColumns, row_factor
 from sheath_manip.support.vectors import squared_distances
-from sheath_manip.support.whole import solve_whole
 
 # Points that enter a block from either end; those of the last one that are free stay in it.
 BLOCK = 256
@@ -41,7 +41,7 @@ class BlockSolver:
 
     @classmethod
     def of(cls, points: NDArray, c: float, most: NDArray, signs: NDArray) -> "BlockSolver":
-        """For (n, d) points with their mean near 0."""
+        """Make blocks for (n, d) points with their mean near 0."""
         return cls(row_factor(points, 0.0), c, most, signs)
 
     def solve(
@@ -157,5 +157,5 @@ def _block_steps(
     order = np.argsort(-weights / most, kind="stable")
     matrix = (gram + (others + others[:, None]) / total)[np.ix_(order, order)]
     solved = np.empty(len(weights))
-    solved[order], _ = solve_whole(matrix, most[order], total, tolerance / most.max())
+    solved[order], _ = solve_dense(matrix, most[order], total, tolerance / most.max())
     return np.clip(solved, 0, most) - weights

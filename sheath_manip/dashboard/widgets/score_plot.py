@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from viser.uplot import Axis, Series
 
 from sheath_manip.dashboard.markup import caption, note
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import Actor
 
@@ -28,9 +28,9 @@ LIMITED_BAND = 0.06
 class ScorePlot:
     """Score and threshold of the steps around the shown one, and who acted."""
 
-    def __init__(self, desk: Desk, ahead: float = 0.0) -> None:
+    def __init__(self, context: WidgetContext, ahead: float = 0.0) -> None:
         """`ahead` is the share of the plot that lies after the shown step, 0..1."""
-        gui, spec = desk.viser.gui, desk.spec
+        gui, spec = context.viser.gui, context.spec
         steps = min(WINDOW_STEPS, spec.max_steps)
         self._after = round(ahead * steps)
         self._before = steps - self._after
@@ -67,17 +67,17 @@ class ScorePlot:
             visible=False,
         )
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Plot the steps around the shown one."""
-        first = max(moment.at - self._before, 0)
-        trace = moment.trace.until(moment.at + 1 + self._after)
+        first = max(snapshot.at - self._before, 0)
+        trace = snapshot.trace.until(snapshot.at + 1 + self._after)
         score = trace.score[first:]
         scored = bool(np.isfinite(score).any())
         self._scores.visible, self._no_score.visible = scored, not scored
         if scored:
-            now = np.arange(first, len(trace)) == moment.at
+            now = np.arange(first, len(trace)) == snapshot.at
             columns: tuple[NDArray, ...] = (
-                trace.time_s[first:] - trace.time_s[moment.at],
+                trace.time_s[first:] - trace.time_s[snapshot.at],
                 score,
                 trace.threshold[first:],
                 ~trace.by_policy[first:],

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 
 from sheath_manip.dashboard.tally import Share
 from sheath_manip.learning.results import RoundResult
+from sheath_manip.playback.film import Film
 from sheath_manip.playback.trace import Trace
 from sheath_manip.types import EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
 from sheath_manip.types.samples import Samples
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Snapshot:
     """One step of an episode, the present one or one that is looked back at."""
 
     info: EpisodeInfo
@@ -44,5 +45,41 @@ class Moment:
 
     @property
     def episode(self) -> Share:
-        """Of this episode as far as `at`."""
+        """This episode as far as `at`."""
         return Share.of(self.trace.until(self.at + 1))
+
+
+def snapshot_of(
+    film: Film,
+    at: int,
+    *,
+    series: Share,
+    outcomes: Mapping[Outcome, int],
+    training: Samples | None,
+    paused: bool,
+    present: bool,
+    results: Sequence[RoundResult] = (),
+) -> Snapshot:
+    """Return the step `at` of `film`, -1 before the first; the rest as in `Snapshot`.
+
+    `series` are the episodes that have ended; of one that still runs what is seen is added.
+    """
+    outcome, trace = film.outcome, film.trace.so_far()
+    if outcome is None:
+        series += Share.of(trace.until(at + 1))
+    return Snapshot(
+        info=film.info,
+        scene=film.scene,
+        pose=film.first_pose if at < 0 else film.poses[at],
+        trace=trace,
+        steps=film.steps,
+        at=at,
+        step=None if at < 0 else film.steps[at],
+        outcome=outcome if at + 1 == len(trace) else None,
+        series=series,
+        outcomes=outcomes,
+        training=training,
+        results=results,
+        paused=paused,
+        present=present,
+    )

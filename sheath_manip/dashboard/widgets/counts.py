@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from html import escape
 
 from sheath_manip.dashboard.markup import TEXT
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import EpisodeInfo, Limited, Outcome
 
@@ -14,24 +14,24 @@ from sheath_manip.types import EpisodeInfo, Limited, Outcome
 class Counts:
     """Episode, step, shares and outcomes."""
 
-    def __init__(self, desk: Desk, with_series: bool = True) -> None:
+    def __init__(self, context: WidgetContext, with_series: bool = True) -> None:
         """`with_series` counts all episodes of the same kind, too, where they are all known."""
         self._with_series = with_series
-        self._max_steps = desk.spec.max_steps
-        self._facts = desk.viser.gui.add_html("")
-        self._limited = desk.viser.gui.add_html("", visible=False)
-        self._counts = desk.viser.gui.add_html("")
+        self._max_steps = context.spec.max_steps
+        self._facts = context.viser.gui.add_html("")
+        self._limited = context.viser.gui.add_html("", visible=False)
+        self._counts = context.viser.gui.add_html("")
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show the counts so far."""
-        episode = moment.episode
-        series = moment.series if self._with_series else None
+        episode = snapshot.episode
+        series = snapshot.series if self._with_series else None
         # What is recorded has all its steps.
-        most = self._max_steps if self._with_series else len(moment.trace)
-        self._facts.content = _facts(moment.info, episode.steps, most)
-        self._counts.content = _counts(moment.info, episode, series, moment.outcomes)
+        most = self._max_steps if self._with_series else len(snapshot.trace)
+        self._facts.content = _facts(snapshot.info, episode.steps, most)
+        self._counts.content = _counts(snapshot.info, episode, series, snapshot.outcomes)
         # The text first: an empty box would be seen for a moment otherwise.
-        now = () if moment.step is None else moment.step.limited
+        now = () if snapshot.step is None else snapshot.step.limited
         self._limited.content = _limited(now, episode, series)
         self._limited.visible = (series or episode).limited_steps > 0
 

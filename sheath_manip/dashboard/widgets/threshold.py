@@ -7,8 +7,8 @@ from collections.abc import Callable
 import viser
 
 from sheath_manip.dashboard.markup import caption, note
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.gates.adjustable import Boundary, Dial
 
 LEAST_STEPS = 100
@@ -22,8 +22,8 @@ Refit = Callable[[float], Boundary]
 class ThresholdSlider:
     """The gate goes by it from its next step on."""
 
-    def __init__(self, desk: Desk, dial: Dial) -> None:
-        gui, boundary = desk.viser.gui, dial.boundary
+    def __init__(self, context: WidgetContext, dial: Dial) -> None:
+        gui, boundary = context.viser.gui, dial.boundary
         self._dial = dial
         self._shown = boundary
         gui.add_html(caption("Gate", "takes effect at the next step"))
@@ -39,14 +39,14 @@ class ThresholdSlider:
         @self.slider.on_update
         async def _(event: viser.GuiEvent) -> None:
             # An update without a client is the program's own.
-            if event.client_id is not None and desk.allows(event.client_id):
+            if event.client_id is not None and context.allows(event.client_id):
                 dial.boundary = dial.boundary.at(float(self.slider.value))
                 self._shown = dial.boundary
-            desk.wake()
+            context.wake()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Follow what a new fit, or who may, has made of it."""
-        del moment
+        del snapshot
         boundary = self._dial.boundary
         if boundary is self._shown and self.slider.value == boundary.threshold:
             return
@@ -66,9 +66,9 @@ class ThresholdSlider:
 class NuSlider:
     """A worker fits the support anew; until it is done the old one decides."""
 
-    def __init__(self, desk: Desk, dial: Dial, refit: Refit, nu: float) -> None:
-        gui = desk.viser.gui
-        self._dial, self._refit, self._wake = dial, refit, desk.wake
+    def __init__(self, context: WidgetContext, dial: Dial, refit: Refit, nu: float) -> None:
+        gui = context.viser.gui
+        self._dial, self._refit, self._wake = dial, refit, context.wake
         self._wanted: float | None = None
         self._told = ""
         self._news = threading.Condition()
@@ -85,14 +85,14 @@ class NuSlider:
 
         @self.slider.on_update
         async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None and desk.allows(event.client_id):
+            if event.client_id is not None and context.allows(event.client_id):
                 with self._news:
                     self._wanted = float(self.slider.value)
                     self._news.notify()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Tell how far the worker is."""
-        del moment
+        del snapshot
         self._note.content = _note(self._nu, self._told)
 
     def _work(self) -> None:

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import viser
 
 from sheath_manip.dashboard.markup import caption
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 
 KINDS = ("mp4", "html")
 
@@ -16,10 +16,10 @@ Exporting = Callable[[int, str], tuple[str, bytes]]
 
 
 class Export:
-    """Nothing is written on this machine: the browser downloads it."""
+    """A button by which the browser downloads the episode; nothing is written on this machine."""
 
-    def __init__(self, desk: Desk, player: Player, exporting: Exporting) -> None:
-        gui = desk.viser.gui
+    def __init__(self, context: WidgetContext, player: Player, exporting: Exporting) -> None:
+        gui = context.viser.gui
         gui.add_html(caption("Take it along", "as a video, or as one page without network"))
         self.kinds = gui.add_button_group("Download", KINDS)
 
@@ -36,5 +36,5 @@ class Export:
 
             player.do(work, f"making the {kind}; this takes some seconds …")
 
-    def draw(self, moment: Moment) -> None:
-        """Nothing changes here."""
+    def draw(self, snapshot: Snapshot) -> None:
+        """Do nothing: the button stays as it is."""

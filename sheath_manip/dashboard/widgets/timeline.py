@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard.markup import TEXT, caption
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import actor_and_reason_label
 from sheath_manip.playback.trace import Trace
@@ -23,22 +23,22 @@ EMPTY = "#80808022"
 class Timeline:
     """The strip, its legend, and a mark at the shown step."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._rate_hz = desk.spec.control_rate_hz
-        desk.viser.gui.add_html(caption("Timeline", "who acted and why"))
-        self._strip = desk.viser.gui.add_html("")
+    def __init__(self, context: WidgetContext) -> None:
+        self._rate_hz = context.spec.control_rate_hz
+        context.viser.gui.add_html(caption("Timeline", "who acted and why"))
+        self._strip = context.viser.gui.add_html("")
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show the episode as far as it is known."""
-        self._strip.content = _strip(moment, self._rate_hz)
+        self._strip.content = _strip(snapshot, self._rate_hz)
 
 
-def _strip(moment: Moment, rate_hz: float) -> str:
-    trace = moment.trace
-    ended = moment.outcome is not None or not moment.present
+def _strip(snapshot: Snapshot, rate_hz: float) -> str:
+    trace = snapshot.trace
+    ended = snapshot.outcome is not None or not snapshot.present
     steps = len(trace) if ended else GROWTH_STEPS * (len(trace) // GROWTH_STEPS + 1)
     steps = max(steps, 1)
-    mark = 100 * (moment.at + 1) / steps
+    mark = 100 * (snapshot.at + 1) / steps
     return (
         f'<div style="{TEXT}"><div style="position:relative;padding-top:6px">'
         f'<div style="height:18px;border-radius:3px;background:{_turns(trace, steps)}"></div>'

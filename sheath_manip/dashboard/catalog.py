@@ -15,7 +15,7 @@ MOST_STATES_OF = 40
 """episodes that the picture of the support is drawn from"""
 
 
-class Shelf:
+class EpisodeCatalog:
     """Reads and marks episodes of one store; a place is that of `sheath data list`."""
 
     def __init__(self, store: EpisodeReader) -> None:
@@ -30,17 +30,17 @@ class Shelf:
 
     @property
     def summaries(self) -> list[EpisodeSummary]:
-        """One an episode, marks included."""
+        """Summaries of the episodes, marks included."""
         with self._lock:
             return list(self._summaries)
 
     @property
     def outcomes(self) -> Mapping[Outcome, int]:
-        """How many ended how."""
+        """The number of episodes that ended in each outcome."""
         return Counter(summary.outcome for summary in self.summaries)
 
     def name(self, place: int) -> str:
-        """Of the episode at `place`; raises ParameterError where there is none."""
+        """Return the name of the episode at `place`; raises ParameterError where there is none."""
         if not 0 <= place < len(self._names):
             raise ParameterError(
                 f"there is no episode at place {place}; wanted 0 .. {len(self._names) - 1}"
@@ -58,7 +58,7 @@ class Shelf:
         return self._store.read(self.name(place))
 
     def kept(self, place: int) -> Marks:
-        """What was said of it, as this shelf knows."""
+        """Return the marks of an episode, as this catalog knows them."""
         self.name(place)
         with self._lock:
             return self._marks[place]

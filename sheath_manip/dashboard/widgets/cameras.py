@@ -4,9 +4,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
-from sheath_manip.dashboard.seldom import Seldom
+from sheath_manip.dashboard.rate_limiter import RateLimiter
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 
 WIDTH_PX = 220
 """no less: viser would cut off what is in the window"""
@@ -17,9 +17,9 @@ RATE_HZ = 6.0
 class Cameras:
     """The latest image of each camera; no window where the task has none."""
 
-    def __init__(self, desk: Desk) -> None:
-        gui, cameras = desk.viser.gui, desk.spec.cameras
-        self._seldom = Seldom(RATE_HZ)
+    def __init__(self, context: WidgetContext) -> None:
+        gui, cameras = context.viser.gui, context.spec.cameras
+        self._limiter = RateLimiter(RATE_HZ)
         self._images: dict[str, viser.GuiImageHandle] = {}
         if not cameras:
             return
@@ -33,11 +33,11 @@ class Cameras:
                 )
         window.float(x=MARGIN_PX, y=MARGIN_PX, width=WIDTH_PX)
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show what was seen before the shown step."""
-        if moment.step is None or not self._seldom.due(moment):
+        if snapshot.step is None or not self._limiter.should_draw(snapshot):
             return
-        for name, image in moment.step.observation.images.items():
+        for name, image in snapshot.step.observation.images.items():
             if name in self._images:
                 self._images[name].image = _enlarged(image)
                 self._images[name].visible = True

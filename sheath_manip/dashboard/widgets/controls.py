@@ -8,9 +8,9 @@ import viser
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
-from sheath_manip.dashboard.moment import Moment
 from sheath_manip.dashboard.operator_socket import station_of
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 
 _EPISODE = {
     "Success": Order.SUCCESS,
@@ -28,11 +28,11 @@ class Controls:
     not seen. The stop is a button of its own, so that a page which lags behind cannot reset one.
     """
 
-    def __init__(self, desk: Desk, cockpit: Cockpit) -> None:
-        self._desk = desk
+    def __init__(self, context: WidgetContext, cockpit: Cockpit) -> None:
+        self._context = context
         self._cockpit = cockpit
         self._drawn = cockpit.state
-        gui, operated = desk.viser.gui, bool(cockpit.guide)
+        gui, operated = context.viser.gui, bool(cockpit.guide)
         self.stop = gui.add_button("STOP (Space)", color="red", visible=operated)
         self.reset = gui.add_button("Reset the stop (R)", color="gray", visible=False)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
@@ -63,7 +63,7 @@ class Controls:
         async def _(event: viser.GuiEvent) -> None:
             self._give(_EPISODE[self.episode.value], event)
 
-    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+    def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Have each button offer the other of its two."""
         self._drawn = state = self._cockpit.state
         self.reset.visible = state.stopped
@@ -84,7 +84,7 @@ class Controls:
         if event.client_id is not None:
             station = station_of(event.client_id)
             self._cockpit.order(order, station, value, self._drawn.stops)
-        self._desk.wake()
+        self._context.wake()
 
 
 def _take(state: State) -> str:

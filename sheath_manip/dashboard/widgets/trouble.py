@@ -3,8 +3,8 @@
 from html import escape
 
 from sheath_manip.dashboard.markup import BOX
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.types import Outcome
 
@@ -12,12 +12,12 @@ from sheath_manip.types import Outcome
 class Trouble:
     """A red box while drawing fails, else nothing."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._box = desk.viser.gui.add_html("", visible=False)
+    def __init__(self, context: WidgetContext) -> None:
+        self._box = context.viser.gui.add_html("", visible=False)
 
-    def draw(self, moment: Moment) -> None:
-        """What can be drawn is not out of date."""
-        del moment
+    def draw(self, snapshot: Snapshot) -> None:
+        """Hide the notice: what can be drawn is not out of date."""
+        del snapshot
         self._box.visible = False
 
     def show(self, failure: str) -> None:

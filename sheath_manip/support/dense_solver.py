@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from sklearn.svm import OneClassSVM
 
 
-def solve_whole(
+def solve_dense(
     gram: NDArray[np.float64], most: NDArray[np.float64], total: float, tolerance: float
 ) -> tuple[NDArray[np.float64], float]:
     """(n,) duals α that minimise ½ αᵀ gram α, and the score on the boundary.

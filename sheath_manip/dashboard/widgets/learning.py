@@ -6,8 +6,8 @@ import numpy as np
 
 from sheath_manip.dashboard.line_chart import line_chart
 from sheath_manip.dashboard.markup import TEXT, caption, note
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
 
@@ -15,11 +15,11 @@ NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with th
 
 
 class LearningCurves:
-    """By round, each method a line; several training seeds are averaged."""
+    """Curves of learning by round, each method a line; several training seeds are averaged."""
 
-    def __init__(self, desk: Desk) -> None:
-        gui = desk.viser.gui
-        metric = desk.spec.metric
+    def __init__(self, context: WidgetContext) -> None:
+        gui = context.viser.gui
+        metric = context.spec.metric
         self._note = gui.add_html(note(NO_ROUND))
         self._charts: list[tuple[Callable[[RoundResult], float], float | None]] = [
             (lambda result: _failed(result.executed), 0.0),
@@ -38,14 +38,14 @@ class LearningCurves:
             self._drawn.append((caption(title, detail), html))
         self._results: Sequence[RoundResult] = ()
 
-    def draw(self, moment: Moment) -> None:
+    def draw(self, snapshot: Snapshot) -> None:
         """Show what came since."""
-        if moment.results is self._results:
+        if snapshot.results is self._results:
             return
-        self._results = moment.results
-        self._note.visible = not moment.results
+        self._results = snapshot.results
+        self._note.visible = not snapshot.results
         for (value, low), (title, html) in zip(self._charts, self._drawn, strict=True):
-            chart = _chart(moment.results, value, low)
+            chart = _chart(snapshot.results, value, low)
             html.content = f'{title}<div style="{TEXT}">{chart}</div>'
             html.visible = bool(chart)
 

@@ -6,11 +6,11 @@ from html import escape
 
 import viser
 
+from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.markup import TEXT, caption, note
-from sheath_manip.dashboard.moment import Moment
-from sheath_manip.dashboard.part import Desk
 from sheath_manip.dashboard.player import Player
-from sheath_manip.dashboard.shelf import Shelf
+from sheath_manip.dashboard.snapshot import Snapshot
+from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.types import Outcome
 
@@ -21,9 +21,9 @@ BEGIN, END, CLEAR = "begins here", "ends here", "clear all"
 class Marking:
     """Marks the episode that is on, by its place: nothing from the page names a file."""
 
-    def __init__(self, desk: Desk, shelf: Shelf, player: Player) -> None:
-        gui = desk.viser.gui
-        self._shelf, self._player = shelf, player
+    def __init__(self, context: WidgetContext, catalog: EpisodeCatalog, player: Player) -> None:
+        gui = context.viser.gui
+        self._catalog, self._player = catalog, player
         self._begun: tuple[int, int] | None = None
         gui.add_html(caption("Marks", "kept beside the episode, which stays as it is"))
         self.outcome = gui.add_dropdown("Outcome", (AS_RECORDED, *map(str, Outcome)))
@@ -32,19 +32,19 @@ class Marking:
 
         @self.outcome.on_update
         async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None and desk.allows(event.client_id):
+            if event.client_id is not None and context.allows(event.client_id):
                 chosen = self.outcome.value
                 outcome = None if chosen == AS_RECORDED else Outcome(chosen)
                 self._mark(lambda marks: replace(marks, outcome=outcome))
 
         @self.bad.on_click
         async def _(event: viser.GuiEvent) -> None:
-            if desk.allows(event.client_id):
+            if context.allows(event.client_id):
                 self._press(self.bad.value)
 
-    def draw(self, moment: Moment) -> None:  # noqa: ARG002
+    def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Show what has been said."""
-        marks = self._shelf.kept(self._player.now.place)
+        marks = self._catalog.kept(self._player.now.place)
         shown = AS_RECORDED if marks.outcome is None else str(marks.outcome)
         if self.outcome.value != shown:
             self.outcome.value = shown
@@ -73,7 +73,7 @@ class Marking:
         place = self._player.now.place
 
         def work() -> None:
-            self._shelf.mark(place, change(self._shelf.kept(place)))
+            self._catalog.mark(place, change(self._catalog.kept(place)))
             self._player.say("marked")
 
         self._player.do(work, "marking …")
