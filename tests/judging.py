@@ -13,8 +13,8 @@ class ByObservation:
     score: Callable[[Observation], float]
     blames: Reason = Reason.OUTSIDE
 
-    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
-        del proposal
+    def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
+        del proposal, threshold
         return Judgement(self.score(observation), self.blames)
 
 

@@ -54,11 +54,15 @@ class FittedGate:
             )
         return self.signal
 
-    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+    def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
         """Score the proposal in its state; nothing is asked of the policy again."""
         signal = self.fitted_signal
         measures = signal.measure(seen_in(observation, proposal, self.readers))
-        return Judgement(float(signal.scores(measures)[0]), signal.blames(measures[0]))
+        score = float(signal.scores(measures)[0])
+        # What is to blame takes as long as the score, and is of no interest above the threshold.
+        if score >= threshold:
+            return Judgement(score)
+        return Judgement(score, signal.blames(measures[0]))
 
     def scores_of(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) the scores of states as the policy saw them."""

@@ -74,7 +74,7 @@ class SupportGate:
 
     def _judged(self, observation: Observation, proposal: Proposal) -> Judgement:
         try:
-            judgement = self.judge.judge(observation, proposal)
+            judgement = self.judge.judge(observation, proposal, self.threshold)
         except ArithmeticError:
             return NO_SCORE
         return NO_SCORE if np.isnan(judgement.score) else judgement

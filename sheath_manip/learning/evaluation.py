@@ -1,5 +1,12 @@
 """Evaluate a policy or an expert, ungated, on held-out scenes."""
 
+from dataclasses import dataclass
+
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.metrics import EpisodeRecord, record_of
+from sheath_manip.protocols import Report
+from sheath_manip.rollout.executor import Executor
 from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
@@ -47,3 +54,32 @@ def evaluation_requests(
         for index in range(count)
     ]
     return [EpisodeRequest(task, info, driver) for info in infos]
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Policies alone on a plan's held-out scenes, the same for every method, seed and round."""
+
+    task: Task
+    plan: LearningPlan
+    spec: TaskSpec
+    executor: Executor
+    report: Report
+
+    def of(
+        self, driver: Driver, fitted: Checkpoint, final: bool = False
+    ) -> tuple[EpisodeRecord, ...]:
+        """Evaluate `driver`, the policy of `fitted`; `final` on the scenes for last policies."""
+        comparison = self.plan.comparison
+        requests = evaluation_requests(
+            self.task,
+            comparison.final_variant if final else self.plan.schedule.variant,
+            self.spec,
+            driver,
+            comparison.held_out_set,
+            comparison.final_episodes if final else comparison.evaluation_episodes,
+            method=fitted.method,
+            number=fitted.round,
+            run_seed=fitted.run_seed,
+        )
+        return tuple(record_of(each) for each in self.executor.map(requests, report=self.report))

@@ -136,7 +136,7 @@ def recalibrated(
 def with_nu(fitted: FittedGate, looks: Looks, nu: float) -> FittedGate:
     """Fit the support anew to the training states, of which `nu` may be outside.
 
-    Policy and embedding stay; the threshold is found again for the same rate of false alarms.
+    Policy and embedding stay; the threshold is found again by the same rule.
     Raises ParameterError where the support has no nu, or cannot be fitted to states alone.
     """
     config = replace(fitted.config, support=replace(fitted.config.support, nu=nu))
@@ -152,10 +152,7 @@ def with_nu(fitted: FittedGate, looks: Looks, nu: float) -> FittedGate:
         raise ParameterError(f"the signal {choice.signal} has no support to be fitted anew")
     signal.refit(looks.states)
     measures = _calibrated(signal, looks)
-    held_out = [signal.scores(each) for each in measures]
-    rate = config.threshold.false_alarm_rate
-    threshold = or_reject_all(lambda: held_out_threshold(held_out, rate))
-    return replace(fitted, config=config, signal=signal, threshold=threshold)
+    return _with_threshold(replace(fitted, config=config, signal=signal), measures, looks.visited)
 
 
 def _calibrated(signal: Signal, looks: Looks) -> list[NDArray[np.float64]]:

@@ -6,7 +6,6 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from sheath_manip.dataset.naming import episode_name
@@ -16,7 +15,7 @@ from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.checkpoints import Checkpoints
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.drivers import ExpertAlone, GatedPolicy, NoisyExpert, PolicyAlone
-from sheath_manip.learning.evaluation import evaluation_requests
+from sheath_manip.learning.evaluation import Evaluation
 from sheath_manip.learning.methods import METHODS, Method, method_named
 from sheath_manip.learning.results import (
     EXPERT,
@@ -28,7 +27,8 @@ from sheath_manip.learning.results import (
     write_result,
 )
 from sheath_manip.learning.round_metrics import compute_round_metrics
-from sheath_manip.metrics import EpisodeRecord, expert_share, record_of
+from sheath_manip.learning.start import SharedStart
+from sheath_manip.metrics import expert_share, record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.rollout.request import Driver, EpisodeRequest
@@ -36,19 +36,6 @@ from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
 from sheath_manip.types import Episode, EpisodeInfo, Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
-
-
-@dataclass(frozen=True, eq=False)
-class SharedStart:
-    """What all methods of one training seed share: they start from the same policy."""
-
-    checkpoint: Checkpoint
-    checkpoints: Checkpoints
-    demonstrations: Samples
-    names: Sequence[str]
-    """of the demonstrations"""
-    check: Sequence[Samples]
-    """one a further held-out expert episode, for measuring false alarms"""
 
 
 def _as_it_is(driver: Driver) -> Driver:
@@ -120,7 +107,7 @@ class LearningRun:
         if not self._path(EXPERT, 0, "json").exists():
             stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
             first, states = start.checkpoint, len(start.demonstrations)
-            measured = self._measured(start, first, first, list(stored), states)
+            measured = self._shown(start, first, first, list(stored), states)
             write_result(self._path(EXPERT, 0, "json"), measured)
         return start
 
@@ -159,7 +146,7 @@ class LearningRun:
             self._fitted(refitted, aggregated)
             path = self._path(method.name, number, "json")
             if not path.exists():
-                measured = self._measured(start, checkpoint, refitted, episodes, len(aggregated))
+                measured = self._shown(start, checkpoint, refitted, episodes, len(aggregated))
                 write_result(path, measured)
             results.append(read_result(path))
             self._tell(results[-1])
@@ -241,7 +228,7 @@ class LearningRun:
             )
         return expert_share(read_result(path).executed)
 
-    def _measured(
+    def _shown(
         self,
         start: SharedStart,
         driver: Checkpoint,
@@ -253,23 +240,20 @@ class LearningRun:
         begin = time.perf_counter()
         tolerance = self.spec.action.tolerance
         metrics = compute_round_metrics(episodes, driver, fitted, start.check, tolerance)
-        comparison = self.plan.comparison
+        evaluation = Evaluation(self.task, self.plan, self.spec, self.executor, self.report)
         digest = start.checkpoints.digest(fitted)
         alone = PolicyAlone(start.checkpoints.path(fitted), digest)
-        policy = self._alone(
-            alone, fitted, self.plan.schedule.variant, comparison.evaluation_episodes
-        )
-        final: Sequence[EpisodeRecord] = ()
-        if self._is_last(fitted.method, fitted.round, metrics.surrogate_loss):
-            final = self._alone(alone, fitted, comparison.final_variant, comparison.final_episodes)
+        policy = evaluation.of(alone, fitted)
+        last = self._is_last(fitted.method, fitted.round, metrics.surrogate_loss)
+        final = evaluation.of(alone, fitted, final=True) if last else ()
         return RoundResult(
             method=fitted.method,
             run_seed=self.run_seed,
             round=fitted.round,
             checkpoint=digest,
             executed=tuple(record_of(episode) for episode in episodes),
-            policy=tuple(policy),
-            final=tuple(final),
+            policy=policy,
+            final=final,
             false_alarm_rate=metrics.false_alarm_rate,
             missed_rate=metrics.missed_rate,
             surrogate_loss=metrics.surrogate_loss,
@@ -278,23 +262,6 @@ class LearningRun:
             states=states,
             wall_s=time.perf_counter() - begin,
         )
-
-    def _alone(
-        self, driver: Driver, fitted: Checkpoint, variant: str, count: int
-    ) -> list[EpisodeRecord]:
-        """The policy alone, on the same scenes for every method, seed and round."""
-        requests = evaluation_requests(
-            self.task,
-            variant,
-            self.spec,
-            driver,
-            self.plan.comparison.held_out_set,
-            count,
-            method=fitted.method,
-            number=fitted.round,
-            run_seed=self.run_seed,
-        )
-        return [record_of(each) for each in self.executor.map(requests, report=self.report)]
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.

@@ -10,8 +10,11 @@ from sheath_manip.types import GateDecision, Judgement, Observation, Proposal
 class Judge(Protocol):
     """Says what it thinks of a proposal: a checkpoint does, by its signal."""
 
-    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
-        """Judge the proposal itself: nothing is asked of the policy again."""
+    def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
+        """Judge the proposal itself: nothing is asked of the policy again.
+
+        What is to blame need not be found for a score that is not below `threshold`.
+        """
         ...
 
 

@@ -207,7 +207,10 @@ def test_what_is_judged_is_the_proposal_itself_and_once_a_step(gate):
     judged: list[tuple[Observation, Proposal]] = []
 
     class Judging:
-        def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+        def judge(
+            self, observation: Observation, proposal: Proposal, threshold: float
+        ) -> Judgement:
+            del threshold
             judged.append((observation, proposal))
             return Judgement(-1.0, Reason.RISK)
 

@@ -63,7 +63,7 @@ def checkpoint_of(policy_name: str, embedding_name: str, signal: str = "support"
 
 
 def judged(gate: FittedGate, observation: Observation) -> Judgement:
-    return gate.judge(observation, gate.policy.propose(observation.alone))
+    return gate.judge(observation, gate.policy.propose(observation.alone), np.inf)
 
 
 @pytest.fixture(scope="module")
@@ -264,7 +264,7 @@ def test_to_blame_is_the_signal_that_finds_a_state_rarest_however_often_it_count
     joined = replace(checkpoint.fitted, signal=signal)
     for features, reason in (([-6.0, -2.0], Reason.OUTSIDE), ([0.0, -6.0], Reason.RISK)):
         observation = Observation({}, np.array(features, np.float32), 0.0)
-        assert joined.judge(observation, Proposal(CHOICES[:1])).blames is reason
+        assert joined.judge(observation, Proposal(CHOICES[:1]), np.inf).blames is reason
 
 
 def test_alone_a_support_says_outside_and_what_weighs_the_proposal_says_risk(checkpoint):

@@ -437,7 +437,8 @@ class Remembering:
     def __init__(self) -> None:
         self.judged: list[tuple[Observation, Action]] = []
 
-    def judge(self, observation: Observation, proposal: Proposal) -> Judgement:
+    def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
+        del threshold
         self.judged.append((observation, proposal.now[0]))
         return Judgement(float(proposal.now[0, 0]))
 

@@ -87,7 +87,7 @@ def vectors(fitted: FittedGate, samples: Samples) -> np.ndarray:
 
 
 def score_of(fitted: FittedGate, observation: Observation) -> float:
-    return fitted.judge(observation, fitted.policy.propose(observation.alone)).score
+    return fitted.judge(observation, fitted.policy.propose(observation.alone), 0.0).score
 
 
 @pytest.mark.parametrize("nu", [0.01, 0.05, 0.2, 0.5])
