@@ -1,4 +1,4 @@
-"""`sheath doctor`: what this machine lacks, and how to cure it."""
+"""`sheath doctor`: the dependencies that this machine lacks, and how to install them."""
 
 import ctypes
 import functools

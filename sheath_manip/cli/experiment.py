@@ -55,7 +55,7 @@ class Experiment(Comparing, Planned):
     dashboard: bool = False
     """show the run in the browser, and run all in this process"""
     hold: bool = False
-    """with --dashboard: keep the page open after the end, until Ctrl-C"""
+    """keep the page open after the end, until Ctrl-C; needs --dashboard"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     @classmethod

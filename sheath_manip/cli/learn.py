@@ -40,8 +40,8 @@ class Learn(Planned):
     expert: str = SCRIPTED
     """expert to learn from: scripted, or a person at the page"""
     demonstrator: str = SCRIPTED
-    """who gives the first demonstrations, and the held-out ones for the threshold: scripted, or a
-    person as well"""
+    """expert that gives the first demonstrations and the held-out ones for the threshold: scripted,
+    or a person as well"""
     method: str = "sheath-own-labels"
     """method, as `sheath tasks` lists it; with hg-dagger only the person says when it drives"""
     plan: str = "full"

@@ -39,8 +39,8 @@ class Run:
     """directory of the episodes that the checkpoint was trained on, for a person: shows the
     support on the page, and lets ν be changed there, not only the threshold"""
     expert: str = SCRIPTED
-    """who takes over: the scripted one, a fallback controller that the task has, such as hold or
-    back-up, or a person, who is asked on the page and may take over there at any time"""
+    """expert that takes over: the scripted one, a fallback controller that the task has, such as
+    hold or back-up, or a person, who is asked on the page and may take over there at any time"""
     policy_alone: bool = False
     """let the policy act without gate and expert"""
     dashboard: bool = False

@@ -25,8 +25,8 @@ class PersonGate:
     without handing back does so too, until somebody takes over or orders the hand-back, in the next
     episode as well: no fallback acts of itself then. The emergency stop is above all of it.
 
-    What is done while nobody drives is no label. A simulation that cannot hold (a car at constant
-    speed) stands still instead: `decide` returns when it may go on, and raises UnattendedError
+    Steps in which the robot only holds are not labelled. A simulation that cannot hold (a car at
+    constant speed) stands still instead: `decide` returns when it may go on, and raises UnattendedError
     where the page is gone from which somebody could say so.
     """
 

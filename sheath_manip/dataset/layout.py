@@ -20,7 +20,7 @@
 The columns of `limited` are the attribute `limits`; where no limit acted in the whole episode there
 is neither.
 
-Who only holds the robot in an expert's place acts as the expert without a query: no label.
+Holding the robot in place of the expert counts as acting without a query: it gives no label.
 
 A policy was to drive an episode if it proposed an action in any step, or if the episode names the
 checkpoint that drove it; a plain demonstration therefore has no intervention.

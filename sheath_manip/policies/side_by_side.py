@@ -1,4 +1,4 @@
-"""Several embeddings as one: what each sees, side by side, no one louder than it is meant to be."""
+"""Concatenates several embeddings with fixed relative weights."""
 
 from collections.abc import Mapping
 from typing import Self, final

@@ -9,7 +9,7 @@ failures foreseen at a fifth of the failure-free windows disturbed (`sheath expe
     agreeing-svm      .908  94 %  where held-out policies mostly agree with the expert
     loss-aware-svm    .897  95 %  the same
     reconstruction    .903  94 %  a score costs the same however many states
-    mahalanobis       .899  93 %  the same, and cheapest, where the states are one cloud
+    mahalanobis       .899  93 %  the same, and cheapest to score; suits unimodal data
     distillation      .887  88 %  kept to compare; wants many states
     disagreement      .887  89 %  kept to compare
 """

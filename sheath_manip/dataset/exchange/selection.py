@@ -52,7 +52,7 @@ class Selection:
         if not self.bad_steps:
             taken &= ~marks.is_bad(recorded.header.length)
         if self.expert_steps:
-            # Who only holds the robot in the expert's place is none.
+            # Holding the robot in place of the expert gives no label.
             taken &= by_expert(recorded.header, recorded.arrays) & recorded.arrays["query"]
         if self.action is ActionChoice.LABELLED:
             taken &= has_label(recorded.arrays)
