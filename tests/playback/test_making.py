@@ -94,6 +94,9 @@ def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path, told, asked) 
     assert not same(shown[4][1], shown[5][1])
     maker.close()
 
+    def catalog() -> Catalog:
+        return Catalog({"platformer": PLATFORMER}, {})
+
     replay = ["replay", tmp_path / "store", *(["--variant", asked] if asked else [])]
     argv = [*replay, "--once", "--speed", "100", "--port", "0"]
     assert (
