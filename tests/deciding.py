@@ -7,6 +7,7 @@ import pytest
 
 from sheath_manip.cli.adjusting import adjusted
 from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout import serial
@@ -60,7 +61,7 @@ def of_the_run(task: Task, path: Path, patch: pytest.MonkeyPatch) -> Driver:
     argv = ["run", task.name, "--checkpoint", str(path), "--episodes", "1"]
     with patch.context() as patched:
         patched.setattr(serial, "SerialExecutor", Asked)
-        assert run_command(lambda: {task.name: task}, argv) == 0
+        assert run_command(lambda: Catalog({task.name: task}, {}), argv) == 0
     return asked[0].driver
 
 

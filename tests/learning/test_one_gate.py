@@ -13,6 +13,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.gates.loop import GateOfRow
 from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.experiments.gates.setting import Setting
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.drivers import GatedPolicy
@@ -23,10 +24,9 @@ from sheath_manip.protocols import Environment
 from sheath_manip.rollout.executor import unheard
 from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
-from sheath_manip.task import Task
 from sheath_manip.types import Actor, Episode, Purpose, Reason
 from tests.deciding import decided, of_the_page, of_the_run, recorded
-from tests.toy import CORRIDOR, PLAN
+from tests.toy import CORRIDOR, PLAN, STUDY
 
 # What is followed comes first.
 ORDER = sorted(METHODS, key=lambda name: METHODS[name].share_from is not None)
@@ -106,9 +106,9 @@ def corridor() -> Environment:
     return CORRIDOR.make()
 
 
-def of_the_benchmark(task: Task, path: Path, environment: Environment, runs: Path) -> Driver:
+def of_the_benchmark(study: Study, path: Path, environment: Environment, runs: Path) -> Driver:
     """The row of the gates' benchmark that has this checkpoint, at the checkpoint's threshold."""
-    setting = Setting(task, GatesPlan(rates=(0.1,)), runs, 0)
+    setting = Setting(study, GatesPlan(rates=(0.1,)), runs, 0)
     threshold = load_checkpoint(path, environment.spec).threshold
     row = setting.checkpoint_path("row")
     row.parent.mkdir(parents=True)
@@ -129,7 +129,7 @@ def test_all_gates_of_a_checkpoint_decide_as_the_one_that_it_was_trained_with(
         others = [driver, run]
         if METHODS[name].uses_signal(SMALL):
             runs = tmp_path / str(number)
-            others.append(of_the_benchmark(CORRIDOR, path, corridor, runs))
+            others.append(of_the_benchmark(STUDY, path, corridor, runs))
         for episode in learned.episodes(name, number):
             wanted = recorded(episode)
             for other in others:

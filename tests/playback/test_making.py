@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError, UnknownNameError
@@ -93,11 +94,20 @@ def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path, told, asked) 
     assert not same(shown[4][1], shown[5][1])
     maker.close()
 
+    def catalog() -> Catalog:
+        return Catalog({"platformer": PLATFORMER}, {})
+
     replay = ["replay", tmp_path / "store", *(["--variant", asked] if asked else [])]
     argv = [*replay, "--once", "--speed", "100", "--port", "0"]
-    assert run_command(lambda: {"platformer": PLATFORMER}, [str(word) for word in argv]) == 0
+    assert (
+        run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), [str(word) for word in argv])
+        == 0
+    )
     argv = [*replay, "--export", tmp_path / "episode.html"]
-    assert run_command(lambda: {"platformer": PLATFORMER}, [str(word) for word in argv]) == 0
+    assert (
+        run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), [str(word) for word in argv])
+        == 0
+    )
     assert (tmp_path / "episode.html").stat().st_size < 500_000
 
 

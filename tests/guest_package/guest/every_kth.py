@@ -26,7 +26,7 @@ class EveryKth:
         return GateDecision(Actor.EXPERT if expert else Actor.POLICY, expert, Reason.FIXED)
 
 
-EVERY_KTH = GateKind(lambda _, given: EveryKth(round(1 / max(given.expert_share, 0.01))))
+EVERY_KTH = GateKind(lambda fitted, _: EveryKth(round(1 / max(fitted.config.expert_share, 0.01))))
 METHOD = Method(
     "every-kth",
     "the expert at every fourth step",
