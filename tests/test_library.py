@@ -103,7 +103,8 @@ def test_torch_is_there_before_any_task_can_open_a_gl_context(tmp_path: Path) ->
     # Where torch is a CPU build no triton is installed.
     (tmp_path / "triton.py").touch()
     path = os.pathsep.join((str(ROOT), str(tmp_path)))
-    seen = _printed(f"{WHAT_IS_THERE}import sheath_manip.tasks.table", PYTHONPATH=path)
+    opened = "from sheath_manip.tasks.table import TASKS\nTASKS['driving']\n"
+    seen = _printed(WHAT_IS_THERE + opened, PYTHONPATH=path)
     assert seen == ["mujoco ['torch', 'triton']", "dm_control ['torch', 'triton']"]
 
 

@@ -26,8 +26,8 @@ class PersonGate:
     episode as well: no fallback acts of itself then. The emergency stop is above all of it.
 
     Steps in which the robot only holds are not labelled. A simulation that cannot hold (a car at
-    constant speed) stands still instead: `decide` returns when it may go on, and raises UnattendedError
-    where the page is gone from which somebody could say so.
+    constant speed) stands still instead: `decide` returns when it may go on, and raises
+    UnattendedError where the page is gone from which somebody could say so.
     """
 
     def __init__(

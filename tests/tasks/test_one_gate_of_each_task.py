@@ -19,7 +19,7 @@ from sheath_manip.protocols import Environment
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.request import EpisodeRequest, run_request
 from sheath_manip.task import Task
-from sheath_manip.tasks.table import TASKS
+from sheath_manip.tasks.table import STUDIES, TASKS
 from sheath_manip.types import (
     Action,
     Actor,
@@ -97,7 +97,7 @@ def path(task, environment, tmp_path_factory) -> Path:
         short: Any = Short(environment)
         return rollout(short, info, AlwaysExpert(), rng=rng, expert=expert)
 
-    plan = task.plans["quick"].changed(policy=TINY[task.name], gate=HOLDING)
+    plan = STUDIES[task.name].plans["quick"].changed(policy=TINY[task.name], gate=HOLDING)
     episodes = [demonstrated(seed) for seed in range(TRAINED_ON + HELD_OUT)]
     states = samples_from(episodes[:TRAINED_ON])
     held_out = [samples_from([each]) for each in episodes[TRAINED_ON:]]

@@ -80,7 +80,7 @@ def _venv_with_third_parties(place: Path) -> Path:
     return site
 
 
-@pytest.mark.slow
+@pytest.mark.timeout(240)
 def test_an_installed_wheel_works_far_from_the_checkout(checkout: Path, tmp_path: Path) -> None:
     wheels, place, elsewhere = (tmp_path / name for name in ("wheels", "venv", "elsewhere"))
     elsewhere.mkdir()
