@@ -94,20 +94,13 @@ def test_an_episode_is_shown_on_the_stage_of_its_own_run(tmp_path, told, asked) 
     assert not same(shown[4][1], shown[5][1])
     maker.close()
 
-    def catalog() -> Catalog:
-        return Catalog({"platformer": PLATFORMER}, {})
-
     replay = ["replay", tmp_path / "store", *(["--variant", asked] if asked else [])]
-    argv = [*replay, "--once", "--speed", "100", "--port", "0"]
-    assert (
-        run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), [str(word) for word in argv])
-        == 0
-    )
-    argv = [*replay, "--export", tmp_path / "episode.html"]
-    assert (
-        run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), [str(word) for word in argv])
-        == 0
-    )
+    for rest in (
+        ["--once", "--speed", "100", "--port", "0"],
+        ["--export", tmp_path / "episode.html"],
+    ):
+        argv = [str(word) for word in (*replay, *rest)]
+        assert run_command(lambda: Catalog({"platformer": PLATFORMER}, {}), argv) == 0
     assert (tmp_path / "episode.html").stat().st_size < 500_000
 
 
