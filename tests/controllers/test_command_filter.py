@@ -1,6 +1,5 @@
 """The command filter holds every limit, whatever it is told."""
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,90 +11,16 @@ from sheath_manip.controllers.command_filter import (
     MALFORMED,
     RANGE,
     SPEED,
-    Admitted,
     CommandFilter,
 )
 from sheath_manip.controllers.joint_limits import JointLimits
-from sheath_manip.controllers.speed_cap import from_standing
-from sheath_manip.controllers.workspace import Workspace
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.robots.filtering import command_filter
 from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 from tests.cases import cases
+from tests.controllers.watched_filter import HOME, TIMESTEP_S, Watched, arm, careful_arm, names
 
-TIMESTEP_S = 0.05
-ROUNDING = 1e-9
-HOME = np.array(ARM_WITH_JAW.home_rad)
-CAN = np.array([[0.5, 0.0, 0.0, 0.03, 0.12]])
-
-
-class Watched:
-    """Checks every limit at every step, from the commanded positions alone."""
-
-    def __init__(self, guard: CommandFilter, start: np.ndarray) -> None:
-        self.guard = guard
-        guard.reset(start)
-        self.targets = start
-        self.velocities = self.changes = np.zeros(len(start))
-
-    def step(self, wished: object) -> Admitted:
-        guard, joints = self.guard, self.guard.joints
-        before, velocities, changes = self.targets, self.velocities, self.changes
-        admitted = guard.step(wished)  # pyright: ignore[reportArgumentType]
-        self.targets = admitted.targets_rad
-        self.velocities = (self.targets - before) / TIMESTEP_S
-        self.changes = self.velocities - velocities
-        np.testing.assert_allclose(self.velocities, admitted.velocities_rad_s, atol=ROUNDING)
-        assert (self.targets >= joints.lower_rad - ROUNDING).all()
-        assert (self.targets <= joints.upper_rad + ROUNDING).all()
-        assert (np.abs(self.velocities) <= joints.speeds_rad_s + ROUNDING).all()
-        assert (np.abs(self.changes) <= guard.stopping.most_change + ROUNDING).all()
-        assert (np.abs(self.changes - changes) <= guard.stopping.most_jerk + ROUNDING).all()
-        workspace, cap = guard.workspace, guard.speed_cap
-        if workspace is not None:
-            tool = workspace.tool_position_m(self.targets)
-            assert (tool >= workspace.lower_m - ROUNDING).all()
-            assert (tool <= workspace.upper_m + ROUNDING).all()
-            assert workspace.distance_m(self.targets) >= workspace.clearance_m - ROUNDING
-            if cap is not None:
-                moved = np.linalg.norm(tool - workspace.tool_position_m(before))
-                assert moved / TIMESTEP_S <= cap.most_m_s(tool) + 1e-6
-        self.check_report(wished, before, admitted)
-        return admitted
-
-    def check_report(self, wished, before, admitted) -> None:
-        """A changed command is reported, and an unchanged one is not."""
-        acted = [each.limit for each in admitted.limited]
-        assert acted == sorted(set(acted))
-        assert all(each.by > 0 for each in admitted.limited)
-        usable = (
-            isinstance(wished, np.ndarray)
-            and wished.shape == before.shape
-            and bool((np.abs(wished) < 1e300).all())
-        )
-        assert (MALFORMED in acted) != usable
-        if usable:
-            changed = np.abs((wished - self.targets) / TIMESTEP_S).max()
-            if changed > 1e-8:
-                assert acted
-            elif changed < 1e-10:
-                assert not acted
-
-
-def names(admitted: Admitted) -> set[str]:
-    return {each.limit for each in admitted.limited}
-
-
-@pytest.fixture(scope="module")
-def arm() -> CommandFilter:
-    return command_filter(ARM_WITH_JAW, TIMESTEP_S)
-
-
-@pytest.fixture(scope="module")
-def careful_arm() -> CommandFilter:
-    """Knows of a can."""
-    return command_filter(ARM_WITH_JAW, TIMESTEP_S, from_standing(lambda: CAN))
-
+__all__ = ["arm", "careful_arm"]
 
 targets = arrays(np.float64, 6, elements=st.floats(-4, 4))
 steps = arrays(np.float64, 6, elements=st.floats(-0.3, 0.3))
@@ -211,57 +136,6 @@ def joints_of_the_arm() -> JointLimits:
     return command_filter(ARM_WITH_JAW, TIMESTEP_S).joints
 
 
-def twist(guard: CommandFilter, velocity_m_s: np.ndarray) -> np.ndarray:
-    """Joint targets that move the tool so, by finite differences."""
-    workspace, now = guard.workspace, guard.targets_rad
-    assert workspace is not None
-    here = workspace.tool_position_m(now)
-    jacobian = np.stack(
-        [(workspace.tool_position_m(now + 1e-5 * row) - here) / 1e-5 for row in np.eye(6)], axis=1
-    )
-    return now + np.linalg.pinv(jacobian) @ velocity_m_s * TIMESTEP_S
-
-
-def test_pushed_into_a_wall_it_slides_along(arm):
-    watched = Watched(arm, HOME)
-    for _ in range(120):
-        watched.step(twist(arm, np.array([0.2, 0.0, 0.0])))
-    wall_m = arm.workspace.upper_m[0]
-    reached = arm.workspace.tool_position_m(watched.targets)
-    assert wall_m - reached[0] < 2e-3
-    for _ in range(30):
-        admitted = watched.step(twist(arm, np.array([0.2, 0.1, 0.0])))
-        assert "workspace" in names(admitted)
-    slid = arm.workspace.tool_position_m(watched.targets) - reached
-    assert slid[1] > 0.1
-    assert abs(slid[0]) < 5e-3
-
-
-def test_pressed_down_it_stops_over_the_table(arm):
-    watched = Watched(arm, HOME)
-    acted = set[str]()
-    for _ in range(150):
-        acted = names(watched.step(twist(arm, np.array([0.0, 0.0, -0.25]))))
-    assert acted & {"workspace", "collision"}
-    assert arm.workspace.distance_m(watched.targets) < 0.012
-    low_m = arm.workspace.tool_position_m(watched.targets)[2]
-    for _ in range(20):
-        watched.step(twist(arm, np.array([0.0, 0.0, 0.25])))
-    assert arm.workspace.tool_position_m(watched.targets)[2] > low_m + 0.15
-
-
-def test_it_slows_down_near_clutter_that_the_task_tells_of(careful_arm):
-    watched = Watched(careful_arm, HOME)
-    speeds = []
-    for _ in range(30):
-        before = careful_arm.workspace.tool_position_m(watched.targets)
-        admitted = watched.step(twist(careful_arm, np.array([0.1, 0.0, -0.25])))
-        after = careful_arm.workspace.tool_position_m(watched.targets)
-        speeds.append((np.linalg.norm(after - before) / TIMESTEP_S, names(admitted)))
-    assert max(speed for speed, _ in speeds) > 0.2
-    assert any(speed < 0.15 and "speed near clutter" in acted for speed, acted in speeds)
-
-
 def test_it_goes_on_from_its_memory_to_the_bit(arm):
     rng = np.random.default_rng(3)
     wishes = HOME + rng.normal(size=(40, 6))
@@ -287,32 +161,3 @@ def test_it_starts_only_where_it_may_be(arm):
     low[1] = 1.0
     with pytest.raises(ParameterError, match="within the limits"):
         arm.reset(low)
-
-
-SLIDER = """
-<mujoco><compiler angle="radian" autolimits="true"/><worldbody>
-  <geom name="wall" type="box" size=".05 1 1" pos="1 0 0"/>
-  <body name="cart"><joint name="along" type="slide" axis="1 0 0" range="-2 2"/>
-    <geom name="cart" size=".1"/>
-    <body name="arm" pos="0 0 .3"><joint name="turn" axis="0 0 1"/>
-      <geom name="arm" type="capsule" size=".05" fromto="0 0 0 .3 0 0"/>
-      <site name="tip" pos=".3 0 0"/>
-    </body></body>
-</worldbody></mujoco>
-"""
-
-
-def test_any_arm_will_do():
-    model = mujoco.MjModel.from_xml_string(SLIDER)
-    home = np.zeros(2)
-    box = np.array([-5.0, -5.0, -5.0]), np.array([5.0, 5.0, 5.0])
-    guard = CommandFilter(
-        JointLimits.of(model, (1.0, 4.0)), TIMESTEP_S, Workspace(model, "tip", home, *box)
-    )
-    assert guard.workspace is not None
-    assert sorted(guard.workspace.compared) == [("wall", "arm"), ("wall", "cart")]
-    watched = Watched(guard, home)
-    for number in range(150):
-        watched.step(np.array([1.5, 3.0 * np.sin(number / 9)]))
-    # The wall begins at .95, and the cart is .1 round.
-    assert 0.8 < watched.targets[0] < 0.85
