@@ -17,7 +17,7 @@ from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.exceptions import UnattendedError
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 from sheath_manip.types.operator_input import Binding
-from tests.cockpit.test_cockpit import Clock
+from tests.cockpit.clock import Clock
 
 SEQUENCES = int(os.environ.get("SHEATH_COCKPIT_SEQUENCES", "40"))
 RATE_HZ = 20.0

@@ -1,0 +1,9 @@
+import pytest
+
+from tests import toy
+
+
+@pytest.fixture
+def wide_corridor(monkeypatch) -> None:
+    """Nothing is hit, so that an episode is as long as it is."""
+    monkeypatch.setattr(toy, "HALF_WIDTH_M", 1e3)
