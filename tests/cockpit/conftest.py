@@ -2,6 +2,9 @@ import pytest
 
 from tests import toy
 
+# What they assert is told as in a test.
+pytest.register_assert_rewrite("tests.cockpit.operated_corridor", "tests.cockpit.promised_cockpit")
+
 
 @pytest.fixture
 def wide_corridor(monkeypatch) -> None:
