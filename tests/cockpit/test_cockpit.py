@@ -12,17 +12,10 @@ from sheath_manip.cockpit.orders import FASTEST, SLOWEST
 from sheath_manip.cockpit.transitions import MOST_STEPS
 from sheath_manip.types import Outcome
 from sheath_manip.types.operator_input import Binding
+from tests.cockpit.clock import Clock
 
 GUIDE = (Binding(("KeyI",), "on"),)
 KEYS = OperatorInput(keys=frozenset({"KeyI"}))
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.s = 100.0
-
-    def __call__(self) -> float:
-        return self.s
 
 
 @pytest.fixture

@@ -1,0 +1,121 @@
+"""What a store gives back: summaries, chosen episodes, labels, and what was limited."""
+
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import zarr
+
+from sheath_manip.dataset.check import check
+from sheath_manip.dataset.faults import FaultKind
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Episode, Limited, Purpose
+from tests.dataset.tiny_episodes import INFO, tiny
+from tools.kill_recorder import identical, synthetic_episode, synthetic_info
+
+
+class TestReading:
+    def test_summaries(self, store: EpisodeStore, episode: Episode) -> None:
+        name = store.append(episode)
+        (summary,) = store.infos()
+        by_expert = [step.decision.actor == "expert" for step in episode.steps]
+        assert (summary.name, summary.info, summary.length) == (name, episode.info, 70)
+        assert summary.expert_share == np.mean(by_expert)
+        assert summary.queries == sum(by_expert)
+        assert summary.metrics == episode.metrics
+        assert summary.bytes > 0
+
+    def test_episodes_are_chosen_and_in_order(self, store: EpisodeStore) -> None:
+        for round in (100, 2):
+            for index in (1, 0):
+                store.append(tiny(replace(INFO, round=round, index=index)))
+        store.append(tiny(replace(INFO, purpose=Purpose.EVALUATION)))
+        store.append(tiny(replace(INFO, method="dagger", run_seed=1)))
+        chosen = store.episodes(Purpose.LEARNING, "sheath", need_images=False)
+        assert [(e.info.round, e.info.index) for e in chosen] == [
+            (2, 0),
+            (2, 1),
+            (100, 0),
+            (100, 1),
+        ]
+        assert [e.info.index for e in store.episodes(round=2)] == [0, 1]
+        assert [e.info.method for e in store.episodes(run_seed=1)] == ["dagger"]
+        assert len(list(store.read_many(store.names()))) == 6
+
+    @pytest.mark.parametrize("name", ["../store", "notes", episode_name(INFO)])
+    def test_a_missing_name_is_one_line(self, store: EpisodeStore, name: str) -> None:
+        (store.path / "notes").mkdir()
+        with pytest.raises(StoreError, match="has no episode"):
+            store.read(name)
+
+    def test_an_intervention_needs_a_policy(self, store: EpisodeStore, episode: Episode) -> None:
+        demonstration = replace(
+            episode,
+            info=replace(episode.info, purpose=Purpose.DEMONSTRATION),
+            steps=tuple(replace(step, proposed=None) for step in episode.steps),
+        )
+        by_expert = [step.decision.actor == "expert" for step in episode.steps]
+
+        def interventions(recorded: Episode) -> list[bool]:
+            group = zarr.open_group(store.path / store.append(recorded), mode="r")
+            array = group["intervention"]
+            assert isinstance(array, zarr.Array)
+            return np.asarray(array[:]).tolist()
+
+        assert interventions(episode) == by_expert
+        assert not any(interventions(demonstration))
+
+    def test_a_reader_beside_a_writer_sees_whole_episodes_only(self, store: EpisodeStore) -> None:
+        code = "import sys, pathlib, tools.kill_recorder as k; "
+        code += "k.record_for_ever(pathlib.Path(sys.argv[1]), 0)"
+        with subprocess.Popen(
+            [sys.executable, "-c", code, str(store.path)], stdout=subprocess.DEVNULL
+        ) as writer:
+            try:
+                seen: set[str] = set()
+                while len(seen) < 5:
+                    assert writer.poll() is None
+                    for summary in store.infos():
+                        if summary.name not in seen:
+                            recorded = synthetic_episode(synthetic_info(0, summary.info.index))
+                            assert identical(store.read(summary.name), recorded)
+                            seen.add(summary.name)
+            finally:
+                writer.kill()
+        assert not [fault for fault in check(store) if fault.damaging]
+
+
+class TestLimits:
+    def limited(self) -> Episode:
+        episode = tiny(INFO)
+        first, second = episode.steps
+        changed = (Limited("joint velocity", 0.25), Limited("workspace", 1.5))
+        return replace(episode, steps=(replace(first, limited=changed), second))
+
+    def test_what_the_command_filter_changed_is_kept(self, store: EpisodeStore) -> None:
+        name = store.append(self.limited())
+        assert zarr.open_array(store.path / name, path="limited", mode="r").shape == (2, 2)
+        first, second = store.read(name, need_images=False).steps
+        assert first.limited == (Limited("joint velocity", 0.25), Limited("workspace", 1.5))
+        assert second.limited == ()
+
+    def test_an_episode_of_before_there_was_a_filter_opens(self, store: EpisodeStore) -> None:
+        name = store.append(tiny(INFO))
+        path = store.path / name / "zarr.json"
+        header = json.loads(path.read_text())
+        assert header["attributes"].pop("limits") == []
+        path.write_text(json.dumps(header))
+        assert not (store.path / name / "limited").exists()
+        assert identical(store.read(name), tiny(INFO))
+        assert check(store) == []
+
+    def test_a_lost_array_of_limits_is_a_fault(self, store: EpisodeStore) -> None:
+        name = store.append(self.limited())
+        shutil.rmtree(store.path / name / "limited")
+        assert [fault.kind for fault in check(store)] == [FaultKind.MISSING]
