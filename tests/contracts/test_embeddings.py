@@ -1,6 +1,7 @@
 """What every embedding of the table must do."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -52,54 +53,51 @@ def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples, Samples]:
     return fitted_policy("cnn"), training(), held_out()
 
 
-@pytest.fixture(scope="module")
-def embeddings():
-    """All of them, fitted to the training states of one policy."""
-    fitted = {}
-    for name in EMBEDDINGS:
-        policy, states, _ = policy_and_states(name)
-        fitted[name] = fitted_embedding(make_embedding(name), policy, states)
-    return fitted
+@cache
+def fitted(name: str):
+    """The embedding of that name, fitted to the training states of its policy."""
+    policy, states, _ = policy_and_states(name)
+    return fitted_embedding(make_embedding(name), policy, states)
 
 
 @pytest.mark.parametrize("name", sorted(EMBEDDINGS))
-def test_gives_finite_vectors_one_by_one_as_in_a_batch(name, embeddings):
+def test_gives_finite_vectors_one_by_one_as_in_a_batch(name):
     policy, _, samples = policy_and_states(name)
-    vectors = vectors_of(embeddings[name], policy, samples)
+    vectors = vectors_of(fitted(name), policy, samples)
     assert vectors.shape[0] == len(samples)
     assert vectors.dtype == np.float32
     assert np.isfinite(vectors).all()
-    single = vectors_of(embeddings[name], policy, samples.take(np.arange(1)))
+    single = vectors_of(fitted(name), policy, samples.take(np.arange(1)))
     np.testing.assert_allclose(single[0], vectors[0], atol=2e-3)
 
 
 @pytest.mark.parametrize("name", sorted(EMBEDDINGS))
-def test_loaded_arrays_transform_the_same(name, embeddings):
+def test_loaded_arrays_transform_the_same(name):
     policy, _, samples = policy_and_states(name)
     one = samples.take(np.arange(5))
-    loaded = make_embedding(name).load(embeddings[name].arrays())
+    loaded = make_embedding(name).load(fitted(name).arrays())
     np.testing.assert_array_equal(
-        vectors_of(loaded, policy, one), vectors_of(embeddings[name], policy, one)
+        vectors_of(loaded, policy, one), vectors_of(fitted(name), policy, one)
     )
 
 
 @pytest.mark.parametrize("name", sorted(EMBEDDINGS))
-def test_attached_again_it_reads_the_same(name, embeddings):
+def test_attached_again_it_reads_the_same(name):
     policy, _, _ = policy_and_states(name)
-    readers = embeddings[name].attach(policy)
-    assert embeddings[name].attach(policy) == readers
+    readers = fitted(name).attach(policy)
+    assert fitted(name).attach(policy) == readers
     assert len(set(readers)) == len(readers)
 
 
-def test_the_pooled_convolutions_keep_every_layer(embeddings):
+def test_the_pooled_convolutions_keep_every_layer():
     one = held_out().take(np.arange(1))
-    vectors = vectors_of(embeddings["pooled-convolutions"], fitted_policy("cnn"), one)
+    vectors = vectors_of(fitted("pooled-convolutions"), fitted_policy("cnn"), one)
     assert vectors.shape == (1, (16 + 32 + 32) * 4 * 4)
 
 
 @pytest.mark.parametrize("name", ["two-scale-convolutions", "foveal-convolutions"])
-def test_contrast_leaves_no_more_numbers(name, embeddings):
-    one, embedding = held_out().take(np.arange(1)), embeddings[name]
+def test_contrast_leaves_no_more_numbers(name):
+    one, embedding = held_out().take(np.arange(1)), fitted(name)
     readers = embedding.attach(fitted_policy("cnn"))
     seen = look(fitted_policy("cnn"), one, readers)
     raw = seen.of(readers)
@@ -109,20 +107,20 @@ def test_contrast_leaves_no_more_numbers(name, embeddings):
     assert embedding.arrays()["matrix"].shape == (raw.shape[1], kept)
 
 
-def test_random_convolutions_do_not_depend_on_the_weights(embeddings):
+def test_random_convolutions_do_not_depend_on_the_weights():
     some = held_out().take(np.arange(3))
     plain = fitted_policy("plain-cnn")
     other = fitted_embedding(make_embedding("random-convolutions"), plain, training())
     np.testing.assert_array_equal(
         vectors_of(other, plain, some),
-        vectors_of(embeddings["random-convolutions"], fitted_policy("cnn"), some),
+        vectors_of(fitted("random-convolutions"), fitted_policy("cnn"), some),
     )
 
 
 @pytest.mark.parametrize("name", SPATIAL)
 @pytest.mark.parametrize("change", ["shifted", "occluded"])
-def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
-    samples, embedding = held_out(), embeddings[name]
+def test_tells_unseen_pictures_from_seen_ones(name, change):
+    samples, embedding = held_out(), fitted(name)
     pictures = samples.images["top"]
     if change == "shifted":
         unseen = np.roll(pictures, -45, axis=1)
@@ -142,8 +140,8 @@ def test_tells_unseen_pictures_from_seen_ones(name, change, embeddings):
 
 
 @pytest.mark.parametrize("name", sorted(SPATIAL_EMBEDDINGS))
-def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones(name, embeddings):
-    policy, samples, embedding = reach.fitted_policy(), reach.held_out(), embeddings[name]
+def test_every_view_of_several_tells_unseen_pictures_and_features_from_seen_ones(name):
+    policy, samples, embedding = reach.fitted_policy(), reach.held_out(), fitted(name)
     support = OneClassSupport().fit(vectors_of(embedding, policy, reach.training()))
     black = {**samples.images, "wrist": np.zeros_like(samples.images["wrist"])}
     natural, *others = (

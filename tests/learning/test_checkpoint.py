@@ -89,9 +89,6 @@ def rewritten(path: Path, **changes) -> Path:
     ("policy", "embedding", "signal"),
     [
         ("cnn", "two-scale-convolutions", "support"),
-        ("cnn", "convolutions-and-pixels", "support"),
-        ("plain-cnn", "random-convolutions", "support"),
-        ("cnn", "pooled-convolutions", "joined"),
         ("paper-cnn", "pooled-convolutions-whitened", "support"),
         ("paper-cnn", "penultimate", "precedent"),
         ("hog-svm", "pixels", "joined"),

@@ -72,7 +72,8 @@ class Cutter:
         patch.setattr(owner, name, written)
 
 
-@pytest.mark.parametrize("when", ["before", "after"])
+# What follows a file precedes the next one, but for the last.
+@pytest.mark.parametrize("when", ["before", pytest.param("after", marks=pytest.mark.soak)])
 def test_stopped_at_any_file_it_resumes_to_the_same_result(when, whole, tmp_path, monkeypatch):
     cutter = Cutter(when, monkeypatch)
     sessions = 0
