@@ -15,7 +15,7 @@ from sheath_manip.types import (
 )
 from tests.cases import cases
 from tests.dataset.generated import episodes
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 
 @cases(30)

@@ -25,7 +25,8 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
 from sheath_manip.types import Episode, EpisodeInfo, Limited, Purpose
 from tests.waiting import DEADLINE_S
-from tools.kill_recorder import identical, synthetic_episode, synthetic_info
+from tools.identical import identical
+from tools.synthetic import synthetic_episode, synthetic_info
 
 INFO = EpisodeInfo("driving", 12345, Purpose.LEARNING, 10.0, "sheath", round=3, index=7)
 

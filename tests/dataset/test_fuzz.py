@@ -30,7 +30,8 @@ from sheath_manip.exceptions import SheathError, StoreError
 from sheath_manip.seeding import generator
 from sheath_manip.types import Limited
 from sheath_manip.types.samples import samples_from
-from tools.kill_recorder import identical, synthetic_episode, synthetic_info
+from tools.identical import identical
+from tools.synthetic import synthetic_episode, synthetic_info
 
 STORES = 100
 LENGTH = 5

@@ -17,7 +17,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.tasks.table import TASKS
 from tests.cases import cases
 from tests.dataset.generated import of_task
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 FORMATS = {
     "demos.zarr": "replay-buffer",
