@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 from hypothesis import given
 
+from sheath_manip.dataset.attributes import read_header, to_attributes
 from sheath_manip.dataset.check import check
-from sheath_manip.dataset.header import header_of, read_header, to_attributes
+from sheath_manip.dataset.header import header_of
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.steps import arrays_of, episode_from
 from sheath_manip.dataset.store import EpisodeStore
