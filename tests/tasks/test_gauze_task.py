@@ -12,17 +12,12 @@ from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
 from sheath_manip.tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, CORNERS_M, MESH, RADIUS_M
 from sheath_manip.tasks.gauze_cutting.measures import path_measures
 from sheath_manip.tasks.gauze_cutting.resting import clip_response
+from sheath_manip.tasks.gauze_cutting.scenario import CONTROL_TIMESTEP_S, Scenario
 from sheath_manip.tasks.gauze_cutting.scene import CALM, DEFAULT, NOMINAL, Slip, draw_scene
 from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, PLANAR_VELOCITY
 from sheath_manip.tasks.gauze_cutting.study.open_loops import nominal, registered
-from sheath_manip.tasks.gauze_cutting.task import (
-    CONTROL_TIMESTEP_S,
-    DEPTH_M,
-    STRAY_M,
-    TEARING,
-    GauzeTask,
-    Scenario,
-)
+from sheath_manip.tasks.gauze_cutting.tally import STRAY_M, TEARING
+from sheath_manip.tasks.gauze_cutting.task import DEPTH_M, GauzeTask
 from sheath_manip.types import Outcome
 
 SEED = 20
