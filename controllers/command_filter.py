@@ -22,8 +22,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sheath_manip.controllers.joint_limits import JointLimits
+from sheath_manip.controllers.motions import (
+    HALVINGS,
+    TINY,
+    Kept,
+    Motion,
+    Motions,
+    at_rest,
+    until_rest,
+)
 from sheath_manip.controllers.speed_cap import SpeedCap
-from sheath_manip.controllers.stopping import Stopping
 from sheath_manip.controllers.workspace import Workspace
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import Limited
@@ -33,8 +41,6 @@ SPEED = "joint speed"
 ACCELERATION = "joint acceleration"
 RANGE = "joint range"
 
-_HALVINGS = 4
-"""of the way between a command that is admissible and one that is not"""
 _SLIDES = 6
 """walls that a command may slide along at once: a corner of the workspace, a jaw on the table"""
 _OFF_WALL = 0.03
@@ -45,8 +51,6 @@ _FARTHEST_RAD = 1e300
 """from which on a wish is no finite speed"""
 _ROUNDING = 1e-9
 """rad/s, m/s: less is no change of a command"""
-_TINY = 1e-12
-"""rounding of sums of some ten numbers near 1"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,16 +64,6 @@ class Admitted:
     limited: tuple[Limited, ...]
     """the limits that changed the command, sorted by name; by how much: the largest change of a
     joint's velocity as a share of its top speed"""
-
-
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    """A step and the stop that could follow it."""
-
-    rates: NDArray[np.float64]
-    """(1 + n, j) velocities during the step, then during those of the stop, until it rests"""
-    path: NDArray[np.float64]
-    """(1 + n, j) where the joints are at their ends"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,21 +96,19 @@ class CommandFilter:
         self.timestep_s = timestep_s
         self.workspace = workspace
         self.speed_cap = speed_cap
-        self.stopping = Stopping(joints, timestep_s)
-        self._lower_rad, self._upper_rad = joints.lower_rad - _TINY, joints.upper_rad + _TINY
-        self._speeds_rad_s = joints.speeds_rad_s + _TINY
-        self._targets = np.full(len(joints.lower_rad), np.nan)
-        self._rest()
+        self._motions = Motions(joints, timestep_s)
+        self.stopping = self._motions.stopping
+        self._kept = at_rest(np.full(len(joints.lower_rad), np.nan))
 
     @property
     def targets_rad(self) -> NDArray[np.float64]:
         """(j,) commanded last."""
-        return self._targets.copy()
+        return self._kept.targets_rad.copy()
 
     @property
     def velocities_rad_s(self) -> NDArray[np.float64]:
         """(j,) commanded last."""
-        return self._velocities.copy()
+        return self._kept.velocities_rad_s.copy()
 
     def reset(self, targets_rad: NDArray) -> None:
         """Start at rest; raises ParameterError where (j,) `targets_rad` is not admissible."""
@@ -130,21 +122,21 @@ class CommandFilter:
         breach = None if self.workspace is None else self.workspace.breach(targets)
         if breach is not None:
             raise ParameterError(f"{breach.what}; wanted a start within the limits")
-        self._targets = targets
-        self._rest()
+        self._kept = at_rest(targets)
 
     def memory(self) -> NDArray[np.float64]:
         """(m,) all that it remembers; of the same size always."""
-        rows = np.zeros((3 + self.stopping.steps, len(self._targets)))
-        rows[:3] = self._targets, self._changes, self._velocities
-        rows[3 : 3 + len(self._stop)] = self._stop
+        kept = self._kept
+        rows = np.zeros((3 + self.stopping.steps, len(kept.targets_rad)))
+        rows[:3] = kept.targets_rad, kept.changes_rad_s, kept.velocities_rad_s
+        rows[3 : 3 + len(kept.stop_rad_s)] = kept.stop_rad_s
         return rows.ravel()
 
     def recall(self, memory: NDArray[np.float64]) -> None:
         """Take over a `memory()`."""
-        rows = np.array(memory, np.float64).reshape(-1, len(self._targets))
-        self._targets, self._changes, self._velocities = rows[:3]
-        self._stop = _until_rest(rows[3:])
+        rows = np.array(memory, np.float64).reshape(-1, len(self._kept.targets_rad))
+        targets, changes, velocities = rows[:3]
+        self._kept = Kept(targets, velocities, changes, until_rest(rows[3:]))
 
     def step(self, wished_targets_rad: ArrayLike) -> Admitted:
         """What is commanded for a control step at whose end the joints were wished to be there.
@@ -155,19 +147,13 @@ class CommandFilter:
         wish = self._well_formed(wished_targets_rad)
         if wish is None:
             taken[MALFORMED] = 1.0
-            wish = np.zeros_like(self._targets)
+            wish = np.zeros_like(self._kept.targets_rad)
         wish = self._slowed(wish, taken)
         motion = self._placed(wish, taken)
-        self._changes = motion.rates[0] - self._velocities
-        self._targets = motion.path[0]
-        self._velocities, self._stop = motion.rates[0], motion.rates[1:]
+        changes = motion.rates[0] - self._kept.velocities_rad_s
+        self._kept = Kept(motion.path[0], motion.rates[0], changes, motion.rates[1:])
         limited = tuple(Limited(*item) for item in sorted(taken.items()))
         return Admitted(self.targets_rad, self.velocities_rad_s, limited)
-
-    def _rest(self) -> None:
-        still = np.zeros_like(self._targets)
-        self._changes = self._velocities = still
-        self._stop = np.zeros((0, len(still)))
 
     def _well_formed(self, wished_targets_rad: ArrayLike) -> NDArray[np.float64] | None:
         """(j,) velocities that are wished, rad/s."""
@@ -175,9 +161,10 @@ class CommandFilter:
             wished = np.asarray(wished_targets_rad, np.float64)
         except (TypeError, ValueError):
             return None
-        if wished.shape != self._targets.shape or not (np.abs(wished) < _FARTHEST_RAD).all():
+        targets = self._kept.targets_rad
+        if wished.shape != targets.shape or not (np.abs(wished) < _FARTHEST_RAD).all():
             return None
-        return (wished - self._targets) / self.timestep_s
+        return (wished - targets) / self.timestep_s
 
     def _slowed(self, wish: NDArray, taken: dict[str, float]) -> NDArray[np.float64]:
         """`wish` along the same way, no faster than joints, and tool where it is, may be."""
@@ -188,9 +175,10 @@ class CommandFilter:
             self._note(SPEED, wish, slowed, taken)
         if self.speed_cap is None or self.workspace is None:
             return slowed
-        here = self.workspace.tool_position_m(self._targets)
+        targets = self._kept.targets_rad
+        here = self.workspace.tool_position_m(targets)
         most = self.speed_cap.most_m_s(here)
-        there = self.workspace.tool_position_m(self._targets + slowed * self.timestep_s)
+        there = self.workspace.tool_position_m(targets + slowed * self.timestep_s)
         tool_speed = math.dist(here, there) / self.timestep_s
         if tool_speed <= most:
             return slowed
@@ -198,13 +186,13 @@ class CommandFilter:
         self._note(self.speed_cap.name, slowed, careful, taken)
         return careful
 
-    def _placed(self, wish: NDArray, taken: dict[str, float]) -> _Motion:
+    def _placed(self, wish: NDArray, taken: dict[str, float]) -> Motion:
         """The motion nearest to `wish` that is found to hold all limits, with its stop."""
         asked = self._reached(wish, taken)
         refusal = self._refusal(asked)
         if refusal is None:
             return asked
-        admitted = self._going_on()
+        admitted = self._motions.going_on(self._kept)
         admitted_wish, refused_wish = admitted.rates[0], wish
         names, walls = set[str](), list[NDArray]()
         for _ in range(_SLIDES):
@@ -219,7 +207,7 @@ class CommandFilter:
                 admitted_wish, admitted = slid, motion
                 break
             refused_wish = slid
-        for _ in range(_HALVINGS):
+        for _ in range(HALVINGS):
             middle = (admitted_wish + refused_wish) / 2
             motion = self._reached(middle)
             if self._refusal(motion) is None:
@@ -230,73 +218,27 @@ class CommandFilter:
             self._note(name, asked.rates[0], admitted.rates[0], taken)
         return admitted
 
-    def _reached(self, wish: NDArray, taken: dict[str, float] | None = None) -> _Motion:
+    def _reached(self, wish: NDArray, taken: dict[str, float] | None = None) -> Motion:
         """The step towards `wish` that the joints' own limits admit, and its stop."""
-        now = self._velocities
+        kept = self._kept
+        now = kept.velocities_rad_s
         # To change to another velocity is to stop, seen from that velocity.
-        changes = self.stopping.changes(now - wish, self._changes)
+        changes = self.stopping.changes(now - wish, kept.changes_rad_s)
         if changes is not None and len(changes) == 1:
             wanted = wish
         else:
-            wanted = self._going_on().rates[0] if changes is None else now + changes[0]
+            wanted = self._motions.going_on(kept).rates[0] if changes is None else now + changes[0]
             if taken is not None:
                 self._note(ACCELERATION, wish, wanted, taken)
-        motion, holds = self._with_stop(wanted)
+        motion, holds = self._motions.with_stop(kept, wanted)
         if holds.all():
             return motion
-        motion = self._towards(wanted)
+        motion = self._motions.towards(kept, wanted)
         if taken is not None:
             self._note(RANGE, wanted, motion.rates[0], taken)
         return motion
 
-    def _towards(self, wanted: NDArray) -> _Motion:
-        """As much of the way to (j,) `wanted` as each joint's own limits admit, and the stop.
-
-        A joint that finds none takes the next step of the stop that is kept.
-        """
-        kept = self._padded(self._going_on().rates)
-        rates = kept
-        admitted, refused = np.zeros_like(wanted), np.ones_like(wanted)
-        share = refused
-        for _ in range(1 + _HALVINGS):
-            tried, held = self._with_stop(kept[0] + share * (wanted - kept[0]))
-            holds = held.all(axis=0)
-            rates = np.where(holds, self._padded(tried.rates), rates)
-            admitted = np.where(holds, share, admitted)
-            refused = np.where(holds, refused, share)
-            share = np.where(admitted == 1.0, 1.0, (admitted + refused) / 2)
-        return self._motion(np.concatenate([rates[:1], _until_rest(rates[1:])]))
-
-    def _with_stop(self, velocities: NDArray) -> tuple[_Motion, NDArray[np.bool_]]:
-        """A step of (j,) `velocities` with its stop, and (1 + n, j) where joints hold limits."""
-        changes = self.stopping.changes(velocities, velocities - self._velocities)
-        if changes is None:
-            return self._going_on(), np.zeros((1, len(velocities)), bool)
-        rates = velocities[None]
-        # The last change is the one to rest.
-        if len(changes) > 1:
-            stop = velocities + changes[:-1].cumsum(axis=0)
-            stop[np.abs(stop) < _TINY] = 0.0
-            rates = np.concatenate([rates, stop])
-        motion = self._motion(rates)
-        holds = (motion.path >= self._lower_rad) & (motion.path <= self._upper_rad)
-        return motion, holds & (np.abs(rates) <= self._speeds_rad_s)
-
-    def _going_on(self) -> _Motion:
-        """The next step of the stop that is kept."""
-        return self._motion(self._stop if len(self._stop) else np.zeros((1, len(self._targets))))
-
-    def _motion(self, rates: NDArray) -> _Motion:
-        """From where the joints are commanded now."""
-        return _Motion(rates, self._targets + rates.cumsum(axis=0) * self.timestep_s)
-
-    def _padded(self, rates: NDArray) -> NDArray[np.float64]:
-        """(1 + N, j) with rest up to the last step that a stop may take."""
-        padded = np.zeros((1 + self.stopping.steps, rates.shape[1]))
-        padded[: len(rates)] = rates
-        return padded
-
-    def _refusal(self, motion: _Motion) -> _Refusal | None:
+    def _refusal(self, motion: Motion) -> _Refusal | None:
         """The first limit of the whole arm that `motion` or its stop would exceed."""
         if self.workspace is None:
             return None
@@ -305,7 +247,8 @@ class CommandFilter:
             if breach is not None:
                 return _Refusal(breach.limit, breach.inwards)
         if self.speed_cap is not None:
-            points = [self.workspace.tool_position_m(q) for q in (self._targets, *motion.path)]
+            targets = (self._kept.targets_rad, *motion.path)
+            points = [self.workspace.tool_position_m(q) for q in targets]
             for before, after in pairwise(points):
                 speed = math.dist(before, after) / self.timestep_s
                 if speed > self.speed_cap.most_m_s(after) + _ROUNDING:
@@ -318,7 +261,7 @@ class CommandFilter:
         A wall is curved in the space of joints, so what leads along it must lead off it a little.
         """
         ways = walls * self.joints.speeds_rad_s
-        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), _TINY)
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), TINY)
         shares = wish / self.joints.speeds_rad_s
         for off in (0.0, _OFF_WALL):
             least = off * float(np.linalg.norm(shares))
@@ -330,9 +273,3 @@ class CommandFilter:
         changed = np.abs(after - before)
         if (changed > _ROUNDING).any():
             taken[limit] = float((changed / self.joints.speeds_rad_s).max())
-
-
-def _until_rest(stop: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n, j) of (N, j) velocities without the zeros at their end."""
-    moving = np.flatnonzero(stop.any(axis=1))
-    return stop[: moving[-1] + 1] if len(moving) else stop[:0]

@@ -32,7 +32,8 @@ def load_catalog() -> "Catalog":
 
     Raises SetupError where the machine lacks their simulator, or the GL library that it wants.
     """
-    from sheath_manip.cli.doctor import require_gl, require_simulator
+    from sheath_manip.cli.doctor import require_simulator
+    from sheath_manip.cli.gl import require_gl
 
     require_simulator()
     require_gl()

@@ -26,7 +26,7 @@ from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
 from sheath_manip.types.samples import Samples, samples_from
 from tools.bench import Line, at_most, run_bench, spent_s
-from tools.kill_recorder import synthetic_episode, synthetic_info
+from tools.synthetic import synthetic_episode, synthetic_info
 
 BATCH = 256
 CALLS = time.thread_time

@@ -15,8 +15,9 @@ from sheath_manip.protocols import Expert
 from sheath_manip.seeding import scene_seed
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
+from sheath_manip.tasks.gauze_cutting.scenario import CONTROL_TIMESTEP_S, Scenario
 from sheath_manip.tasks.gauze_cutting.study.open_loops import blind, registered
-from sheath_manip.tasks.gauze_cutting.task import CONTROL_TIMESTEP_S, GauzeTask, Scenario
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 from sheath_manip.types import Action, Purpose
 from tools.bench import Line, at_least, at_most, run_bench, spent_s
 

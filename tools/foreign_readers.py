@@ -24,7 +24,7 @@ from sheath_manip.dataset.exchange.selection import Selection, selected
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Outcome
-from tools.kill_recorder import synthetic_episode, synthetic_info
+from tools.synthetic import synthetic_episode, synthetic_info
 
 SCRIPTS = Path(__file__).parent / "readers"
 

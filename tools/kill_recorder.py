@@ -32,17 +32,8 @@ from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.writer_process import WriterProcess
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import (
-    Actor,
-    Episode,
-    EpisodeInfo,
-    GateDecision,
-    Observation,
-    Outcome,
-    Purpose,
-    Reason,
-    Step,
-)
+from tools.identical import identical
+from tools.synthetic import synthetic_episode, synthetic_info
 
 LONGEST_WAIT_S = 0.6
 """Several episodes long, so that kills fall on every part of a write."""
@@ -75,64 +66,6 @@ class KillReport:
             f"{len(self.damaged)} damaged, {len(self.disappeared)} disappeared, "
             f"{self.leftovers} leftovers, {self.polls} polls"
         )
-
-
-def synthetic_info(run: int, index: int) -> EpisodeInfo:
-    """Where the synthetic episode `index` of run `run` comes from."""
-    return EpisodeInfo(
-        task="synthetic",
-        seed=1000 * run + index,
-        purpose=Purpose.LEARNING,
-        control_rate_hz=10.0,
-        method="noise",
-        index=index,
-        run_seed=run,
-    )
-
-
-def synthetic_episode(info: EpisodeInfo, length: int = 40, pixels: int = 32) -> Episode:
-    """An episode of noise with one square camera; the same `info` gives the same one."""
-    rng = np.random.default_rng(info.seed)
-
-    def observation(t: int) -> Observation:
-        image = rng.integers(0, 256, (pixels, pixels, 3), dtype=np.uint8)
-        return Observation({"front": image}, rng.random(6, np.float32), t / info.control_rate_hz)
-
-    def step(t: int) -> Step:
-        expert = bool(rng.random() < 0.3)
-        decision = GateDecision(
-            actor=Actor.EXPERT if expert else Actor.POLICY,
-            query=expert,
-            reason=Reason.OUTSIDE if expert else Reason.INSIDE,
-            score=float(rng.normal()) if t else float("nan"),
-            threshold=0.0,
-        )
-        proposed, executed = rng.random((2, 2), np.float32)
-        return Step(
-            observation=observation(t),
-            state=rng.random(9),
-            proposed=proposed,
-            labelled=executed if expert else None,
-            decision=decision,
-            executed=executed if expert else proposed,
-            reward=float(rng.random()),
-        )
-
-    return Episode(
-        info=info,
-        steps=tuple(step(t) for t in range(length)),
-        final_observation=observation(length),
-        final_state=rng.random(9),
-        terminated=False,
-        truncated=True,
-        outcome=Outcome.TIME_LIMIT,
-        metrics={"distance_m": float(rng.random())},
-    )
-
-
-def identical(a: Episode, b: Episode) -> bool:
-    """Whether two episodes are the same to the bit, NaN and the sign of zero included."""
-    return _as_bits(a) == _as_bits(b)
 
 
 def kill_recorder(
@@ -291,35 +224,6 @@ def _writer_of(child: subprocess.Popen[str]) -> int:
         told = child.stderr.read() if child.stderr is not None else ""
         raise RuntimeError(f"a recording child did not start: {told}")
     return int(child.stdout.readline())
-
-
-def _as_bits(episode: Episode) -> list[object]:
-    """All of an episode as values whose equality is equality of bits."""
-
-    def bits(array: np.ndarray | float | None) -> object:
-        value = np.asarray(array)
-        return None if array is None else (str(value.dtype), value.shape, value.tobytes())
-
-    def seen(observation: Observation) -> list[object]:
-        images = {camera: bits(image) for camera, image in observation.images.items()}
-        return [images, bits(observation.features), bits(observation.time_s)]
-
-    def done(step: Step) -> list[object]:
-        decision = step.decision
-        actions = [bits(action) for action in (step.proposed, step.labelled, step.executed)]
-        numbers = [bits(value) for value in (decision.score, decision.threshold, step.reward)]
-        gate = [decision.actor, decision.query, decision.reason]
-        limits = [(each.limit, bits(each.by)) for each in step.limited]
-        return [*seen(step.observation), bits(step.state), *actions, *numbers, *gate, limits]
-
-    return [
-        episode.info,
-        [done(step) for step in episode.steps],
-        seen(episode.final_observation),
-        bits(episode.final_state),
-        (episode.terminated, episode.truncated, episode.outcome),
-        {name: bits(value) for name, value in episode.metrics.items()},
-    ]
 
 
 if __name__ == "__main__":

@@ -21,7 +21,8 @@ from sheath_manip.experiments.figures.style import limited
 from sheath_manip.seeding import scene_seed
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
-from sheath_manip.tasks.gauze_cutting.task import CAMERA, GauzeTask
+from sheath_manip.tasks.gauze_cutting.scenario import CAMERA
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.types import Observation, Purpose
 

@@ -17,7 +17,7 @@ import tempfile
 import threading
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
@@ -25,7 +25,6 @@ from PIL import Image
 from playwright.sync_api import Page
 from rich.console import Console
 
-from sheath_manip.cli.adjusting import Adjusting, adjusted
 from sheath_manip.cli.episodes import run_all
 from sheath_manip.cli.operated import Operating
 from sheath_manip.cli.options import Address
@@ -36,22 +35,18 @@ from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
-from sheath_manip.learning.drivers import ExpertAlone
-from sheath_manip.learning.run import LearningRun
 from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.pacing import Pacing
-from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.rollout.workplace import Workplace
-from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
-from sheath_manip.tasks.table import STUDIES, TASKS
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step, TaskSpec
+from sheath_manip.tasks.table import TASKS
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
+from tools.screenshot_subject import Subject, subject_of
 
 MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4
 """of the episode in the picture, and of the intervention under way: enough to be seen"""
@@ -100,60 +95,6 @@ class Pose:
 
     def on_end(self, episode: Episode) -> None:
         """The next one, then."""
-
-
-@dataclass(frozen=True)
-class Subject:
-    """What is photographed."""
-
-    task: Task
-    spec: TaskSpec
-    checkpoint: Checkpoint | None = None
-    """None: the expert alone"""
-    adjusting: Adjusting | None = None
-    """the checkpoint's policy under its gate, and the gate's sliders"""
-
-    @property
-    def driver(self) -> Driver:
-        """Who drives where there is no person."""
-        return ExpertAlone() if self.adjusting is None else self.adjusting.driver
-
-    def request(self, driver: Driver, method: str, index: int) -> EpisodeRequest:
-        """An episode in a scene that no experiment has."""
-        info = EpisodeInfo.of(
-            self.spec,
-            variant="default",
-            seed=scene_seed(Purpose.LEARNING, "screenshot", index),
-            purpose=Purpose.LEARNING,
-            method=method,
-            round=0 if self.checkpoint is None else self.checkpoint.round + 1,
-            index=index,
-        )
-        return EpisodeRequest(self.task, info, driver)
-
-
-def trained(task: Task, folder: Path) -> tuple[Path, Path]:
-    """A policy and its gate from a few demonstrations: their file, and the store."""
-    quick = STUDIES[task.name].plan("quick")
-    plan = quick.changed(
-        schedule={"false_alarm_episodes": 1},
-        comparison={"evaluation_episodes": 1, "final_episodes": 1},
-    )
-    store = EpisodeStore.create(folder / "training")
-    with SerialExecutor() as executor:
-        start = LearningRun(task, plan, 0, folder, store, executor).start()
-    return start.checkpoints.path(start.checkpoint), store.path
-
-
-def subject_of(task: Task, options: argparse.Namespace, spec: TaskSpec, folder: Path) -> Subject:
-    """Read, trained, or the expert."""
-    if options.expert:
-        return Subject(task, spec)
-    path, store = options.checkpoint, options.store
-    if path is None:
-        path, store = trained(task, folder)
-    checkpoint = load_checkpoint(path, spec)
-    return Subject(task, spec, checkpoint, adjusted(path, checkpoint, store, spec))
 
 
 def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:

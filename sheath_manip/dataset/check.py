@@ -3,8 +3,9 @@
 import json
 from pathlib import PurePosixPath
 
+from sheath_manip.dataset.attributes import GROUP_FILE
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
-from sheath_manip.dataset.header import GROUP_FILE, Header
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.steps import content_faults

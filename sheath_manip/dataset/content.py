@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 
-from sheath_manip.dataset.header import to_attributes
+from sheath_manip.dataset.attributes import to_attributes
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.reader import EpisodeReader
 

@@ -7,8 +7,9 @@ import zarr
 from numpy.typing import NDArray
 from zarr.storage import StorePath
 
+from sheath_manip.dataset.attributes import to_attributes
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
-from sheath_manip.dataset.header import Header, to_attributes
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import Arrays, ArraySpec, layout
 from sheath_manip.dataset.zarr_files import array_files, group_files, within
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.attributes import GROUP_FILE
 from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.exchange.uniform import uniform
-from sheath_manip.dataset.header import GROUP_FILE
 from sheath_manip.dataset.layout import has_label, layout
 from sheath_manip.dataset.marks import marks_text
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX

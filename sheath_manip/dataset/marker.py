@@ -13,7 +13,7 @@ from sheath_manip.exceptions import StoreError
 MARKER = "sheath-store.json"
 FORMAT = "sheath-store"
 SCHEMA = 1
-"""of the directory; each episode has its own, see `header.SCHEMA`"""
+"""of the directory; each episode has its own, see `attributes.SCHEMA`"""
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
 
 

@@ -20,10 +20,11 @@ from typing import Any
 from numpy.typing import NDArray
 from zarr.storage import ObjectStore, StorePath
 
+from sheath_manip.dataset.attributes import GROUP_FILE, parse_header
 from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.faults import Fault, FaultError, FaultKind
 from sheath_manip.dataset.group import read_array
-from sheath_manip.dataset.header import GROUP_FILE, Header, parse_header
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, marker_text, parse_marker
 from sheath_manip.dataset.naming import is_episode_name

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.attributes import GROUP_FILE, to_attributes
 from sheath_manip.dataset.faults import Fault
-from sheath_manip.dataset.header import GROUP_FILE, Header, to_attributes
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.naming import episode_name

@@ -6,9 +6,9 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from sheath_manip.dataset.attributes import GROUP_FILE, from_attributes
 from sheath_manip.dataset.durable import sync
 from sheath_manip.dataset.faults import FaultError, FaultKind
-from sheath_manip.dataset.header import GROUP_FILE, from_attributes
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError

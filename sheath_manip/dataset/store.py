@@ -12,10 +12,11 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.attributes import read_header
 from sheath_manip.dataset.durable import Files, publish_files, sync
 from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.group import episode_files, read_array
-from sheath_manip.dataset.header import Header, read_header
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.marks import (

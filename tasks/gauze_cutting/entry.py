@@ -8,9 +8,10 @@ from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert, task_of
 from sheath_manip.tasks.gauze_cutting.picture import film_frame
+from sheath_manip.tasks.gauze_cutting.scenario import Scenario
 from sheath_manip.tasks.gauze_cutting.scene import CALM
 from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, TOP_SPEED_M_S
-from sheath_manip.tasks.gauze_cutting.task import GauzeTask, Scenario
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:

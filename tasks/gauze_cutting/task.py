@@ -2,7 +2,6 @@
 
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -15,55 +14,35 @@ from sheath_manip.tasks.gauze_cutting.bench import BenchArena
 from sheath_manip.tasks.gauze_cutting.drawn import lines_of, surface_of
 from sheath_manip.tasks.gauze_cutting.geometry import CENTRE_M, RADIUS_M
 from sheath_manip.tasks.gauze_cutting.knife import Knife
-from sheath_manip.tasks.gauze_cutting.measures import overlap, path_measures
 from sheath_manip.tasks.gauze_cutting.posing import joints_for, planar_twist
-from sheath_manip.tasks.gauze_cutting.scene import DEFAULT, Difficulty, Scene, draw_scene
-from sheath_manip.tasks.gauze_cutting.steering import PLANAR_VELOCITY, Steering
+from sheath_manip.tasks.gauze_cutting.scenario import (
+    CAMERA,
+    CONTROL_TIMESTEP_S,
+    IMAGE_PX,
+    Scenario,
+    spec_of,
+)
+from sheath_manip.tasks.gauze_cutting.scene import Scene, draw_scene
+from sheath_manip.tasks.gauze_cutting.tally import Tally, metrics_of
 from sheath_manip.tasks.gauze_cutting.workpiece import Workpiece
-from sheath_manip.tasks.projection import px_of_horizontal_plane
 from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.tasks.robots.drive import TWIST_SCALE, RobotDrive
 from sheath_manip.tasks.robots.filtering import command_filter
 from sheath_manip.tasks.robots.own_arm import ARM_WITH_BLADE
 from sheath_manip.tasks.robots.robot import Robot, twist_control
-from sheath_manip.types import Commanded, FirstView, Line, Outcome, Surface, TaskSpec, ToolFrame
+from sheath_manip.types import Commanded, Line, Outcome, Surface
 
-CONTROL_TIMESTEP_S = 0.05
 PHYSICS_TIMESTEP_S = 0.01
-IMAGE_PX = 96
-CAMERA = "overhead"
 DEPTH_M = 0.010
 """of the tip below the clips: lower than the sheet ever sags"""
-STRAY_M = 0.003
-"""from the line: more is a cut that ruins the piece"""
-TEARING = 0.25
-"""strain of an edge; an expert's cut comes to .04 to .18 in tuning scenes"""
 _BOX_M = (
     CENTRE_M - np.array([0.06, 0.06, DEPTH_M + 0.005]),
     CENTRE_M + np.array([0.06, 0.06, 0.2]),
 )
 """for the tip: over the sheet, and up to where the arm waits"""
 _PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """A scenario: what a variant of the task may change."""
-
-    difficulty: Difficulty = DEFAULT
-    steering: Steering = PLANAR_VELOCITY
-    cameras: tuple[str, ...] = (CAMERA,)
-    time_limit_s: float = 15.0
-
-
-@dataclass
-class Tally:
-    """The figures of an episode that its path does not hold."""
-
-    outcome: Outcome = Outcome.TIME_LIMIT
-    strain: float = 0.0
-    """the largest so far"""
-    freed: bool = False
+_STILL_M = 5e-5
+"""that a tip moves in a step without showing a heading"""
 
 
 class GauzeTask(SheathTask):
@@ -100,19 +79,7 @@ class GauzeTask(SheathTask):
             cameras[name] = camera.shape
         for item in self._observables.values():
             item.enabled = True
-        max_steps = round(self.scenario.time_limit_s / CONTROL_TIMESTEP_S)
-        self.spec = TaskSpec(
-            name="gauze-cutting",
-            control_rate_hz=1 / CONTROL_TIMESTEP_S,
-            action=self.scenario.steering.action,
-            cameras=cameras,
-            feature_names=(*_PLANE, "tool_z_m", *_HEADING),
-            max_steps=max_steps,
-            metric="iou",
-            plane=_PLANE,
-            tool_frame=self._tool_frame() if CAMERA in self.scenario.cameras else None,
-            first_view=FirstView(0.13, azimuth_deg=145.0, elevation_deg=40.0),
-        )
+        self.spec = spec_of(self.scenario, cameras, self._arena.camera(CAMERA))
 
     @property
     def physics_steps_per_control_step(self) -> int:
@@ -241,10 +208,7 @@ class GauzeTask(SheathTask):
             if tally.freed:
                 self.workpiece.let_go()
         astray = abs(float(np.linalg.norm(self.knife.path_m[-1])) - RADIUS_M)
-        if tally.freed:
-            tally.outcome = Outcome.SUCCESS
-        elif tally.strain > TEARING or astray > STRAY_M or self.knife.exhausted:
-            tally.outcome = Outcome.FAILURE
+        tally.judge(astray, self.knife.exhausted)
 
     def get_reward(self, physics: mjcf.Physics) -> float:  # noqa: ARG002
         """-1 for a failure, 0 otherwise: learning from demonstrations needs no reward."""
@@ -259,21 +223,7 @@ class GauzeTask(SheathTask):
 
     def metrics(self) -> Mapping[str, float]:
         """Return what has been cut, how near to the line, and how roughly."""
-        tally, path = self._tally, path_measures(self.knife.path_m, RADIUS_M)
-        sheet = self.workpiece.sheet
-        disc = self.workpiece.disc() if tally.freed else None
-        difference, iou = overlap(sheet, disc, RADIUS_M)
-        return {
-            "iou": iou,
-            "freed": float(tally.freed),
-            "difference_mm2": 1e6 * difference,
-            "deviation_mm": 1e3 * path.deviation_m,
-            "largest_deviation_mm": 1e3 * path.largest_deviation_m,
-            "covered": path.covered,
-            "strain": tally.strain,
-            "stray_pieces": float(self.workpiece.stray_pieces()),
-            "spares_exhausted": float(self.knife.exhausted),
-        }
+        return metrics_of(self._tally, self.knife, self.workpiece)
 
     def memory(self) -> NDArray[np.float64]:
         """(m,) the tally, the heading, what knife and drive remember."""
@@ -324,17 +274,6 @@ class GauzeTask(SheathTask):
         executed = self.scenario.steering.action_for(velocity, self._steered_by)
         return Commanded(executed, of_arm.limited)
 
-    def _tool_frame(self) -> ToolFrame:
-        camera = self._arena.camera(CAMERA)
-        sheet_m = CENTRE_M[2] - _SAG_M
-        return ToolFrame(
-            camera=CAMERA,
-            px_of_plane=px_of_horizontal_plane(camera, IMAGE_PX, sheet_m),
-            position=_PLANE,
-            heading=_HEADING,
-            vector=self.scenario.steering.vector,
-        )
-
     def _turn(self, moved_m: NDArray) -> None:
         """Note how the tip has moved; the heading follows it."""
         self._velocity = moved_m / CONTROL_TIMESTEP_S
@@ -344,11 +283,3 @@ class GauzeTask(SheathTask):
 
     def _tool_features(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         return np.concatenate([physics.data.ptr.site_xpos[self._tip], self._heading])
-
-
-_PLANE = ("tool_x_m", "tool_y_m")
-_HEADING = ("heading_cos", "heading_sin")
-_SAG_M = 0.002
-"""of the plane that the blade's way is seen in, below the clips"""
-_STILL_M = 5e-5
-"""that a tip moves in a step without showing a heading"""

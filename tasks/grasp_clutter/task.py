@@ -4,7 +4,6 @@ import math
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,10 +11,11 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
-from sheath_manip.tasks.assets import assets_of
 from sheath_manip.tasks.composer_environment import SheathTask
+from sheath_manip.tasks.grasp_clutter.arena import TableArena
 from sheath_manip.tasks.grasp_clutter.guide import WIDE_M, GraspGuide, Situation
-from sheath_manip.tasks.grasp_clutter.pool import Pool, add_pool
+from sheath_manip.tasks.grasp_clutter.mirroring import mirror_of
+from sheath_manip.tasks.grasp_clutter.pool import Pool
 from sheath_manip.tasks.grasp_clutter.rehearsal import solvable
 from sheath_manip.tasks.grasp_clutter.scene import (
     HARD,
@@ -31,15 +31,11 @@ from sheath_manip.tasks.robots.drive import ACTION, RobotDrive
 from sheath_manip.tasks.robots.filtering import command_filter
 from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 from sheath_manip.tasks.robots.robot import Robot, RobotDescription
-from sheath_manip.types import Commanded, FirstView, Mirror, Outcome, TaskSpec
-
-ASSETS = assets_of("grasp_clutter")
+from sheath_manip.types import Commanded, FirstView, Outcome, TaskSpec
 
 CONTROL_TIMESTEP_S = 0.05
 PHYSICS_TIMESTEP_S = 0.0025
 IMAGE_PX = 84
-SYMMETRIC_CAMERAS = frozenset({"front", "wrist"})
-"""which see the mirror image of what they would see of the mirrored scene"""
 TOPPLING = 0.9
 """share of its own tip angle from which an object counts as toppled"""
 LIFTED_M = 0.10
@@ -62,17 +58,6 @@ class Scenario:
     time_limit_s: float = 15.0
     command_filter: bool = True
     """without one the arm does whatever it is told"""
-
-
-class TableArena(composer.Arena):
-    """The table and its pool of objects."""
-
-    _mjcf_root: Any  # mjcf makes its attributes from MuJoCo's schema at run time
-
-    def _build(self, name: str = "table") -> None:
-        self._mjcf_root = mjcf.from_path(str(ASSETS / "table.xml"))
-        self._mjcf_root.model = name
-        add_pool(self._mjcf_root, movable=True)
 
 
 class GraspTask(SheathTask):
@@ -124,7 +109,7 @@ class GraspTask(SheathTask):
             metric="success",
             plane=("tool_x_m", "tool_y_m"),
             first_view=FirstView(0.55, azimuth_deg=145.0, elevation_deg=25.0),
-            mirror=self._mirror(),
+            mirror=mirror_of(self.scenario.robot, self.scenario.cameras),
         )
 
     @property
@@ -283,18 +268,6 @@ class GraspTask(SheathTask):
     def commanded(self) -> Commanded | None:
         """Return what the command filter made of the last action."""
         return self.drive.commanded
-
-    def _mirror(self) -> Mirror | None:
-        """Left for right, where neither the arm nor a camera stands aside."""
-        mirrored = self.scenario.robot.mirrored_joints
-        if mirrored is None or not SYMMETRIC_CAMERAS.issuperset(self.scenario.cameras):
-            return None
-        joints = [
-            -1.0 if name in mirrored else 1.0 for name in self.scenario.robot.joint_speeds_rad_s
-        ]
-        tool, gripper = (1.0, -1.0, 1.0), (1.0, 1.0)
-        velocity, turn, grip = (1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0,)
-        return Mirror((*joints, *tool, *gripper), (*velocity, *turn, *grip))
 
     def _proprioception(self, physics: mjcf.Physics) -> NDArray[np.float64]:
         tool = physics.data.ptr.site_xpos[self._tool]

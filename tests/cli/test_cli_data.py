@@ -14,7 +14,7 @@ import zarr
 from sheath_manip.dataset.store import EpisodeStore
 from tests.cli.conftest import run
 from tests.s3 import BUCKET, s3_server
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,4 @@
 import collections
-import ctypes
 import io
 import os
 import shutil
@@ -11,17 +10,9 @@ import pytest
 from rich.console import Console
 
 from sheath_manip.cli import doctor
-from sheath_manip.exceptions import SetupError
 
 FINE = doctor.Finding("disk", True, "80.0 GB free")
 BAD = doctor.Finding("port", False, "127.0.0.1:8080 is taken", "take 8081 [or another]")
-
-
-@pytest.fixture(autouse=True)
-def _fresh_cache():
-    doctor._load_gl.cache_clear()
-    yield
-    doctor._load_gl.cache_clear()
 
 
 def _report(monkeypatch, findings) -> tuple[int, str]:
@@ -157,51 +148,3 @@ def test_rendering_off_or_unknown(monkeypatch, backend: str):
     [finding] = _rendering(monkeypatch, backend)
     assert not finding.ok
     assert "unset MUJOCO_GL" in finding.cure
-
-
-def test_a_back_end_that_breaks_gives_its_last_line():
-    # MuJoCo refuses the name before it looks for a library.
-    result = doctor.render_time_ms("vulkan")
-    assert isinstance(result, str)
-    assert "vulkan" in result
-
-
-@pytest.mark.parametrize("backend", ["egl", "osmesa", "glfw"])
-def test_require_gl_names_the_library_and_its_package(monkeypatch, backend: str):
-    monkeypatch.setenv("MUJOCO_GL", backend)
-    monkeypatch.setattr(ctypes, "CDLL", _no_library)
-    with pytest.raises(SetupError) as caught:
-        doctor.require_gl()
-    message = str(caught.value)
-    assert "\n" not in message
-    assert doctor.GL_LIBRARIES[backend][0][0] in message
-    assert doctor.GL_CURES[backend] in message
-
-
-def _no_library(name: str):
-    raise OSError(f"{name}: cannot open shared object file")
-
-
-def test_require_gl_takes_any_name_of_a_library(monkeypatch):
-    def load(name: str):
-        if name not in ("libEGL.so", "libGL.so.1"):
-            _no_library(name)
-
-    monkeypatch.setenv("MUJOCO_GL", "egl")
-    monkeypatch.setattr(ctypes, "CDLL", load)
-    doctor.require_gl()
-
-
-def test_require_gl_looks_once(monkeypatch):
-    asked = []
-    monkeypatch.setenv("MUJOCO_GL", "egl")
-    monkeypatch.setattr(ctypes, "CDLL", asked.append)
-    doctor.require_gl()
-    doctor.require_gl()
-    assert len(asked) == 2
-
-
-def test_require_gl_refuses_an_unknown_back_end(monkeypatch):
-    monkeypatch.setenv("MUJOCO_GL", "off")
-    with pytest.raises(SetupError, match="egl, osmesa, glfw"):
-        doctor.require_gl()

@@ -19,8 +19,8 @@ from sheath_manip.tasks.driving.entry import DRIVING
 from sheath_manip.tasks.driving.task import DrivingTask
 from sheath_manip.tasks.driving.task import Scenario as DrivingScenario
 from sheath_manip.tasks.gauze_cutting.entry import GAUZE_CUTTING
+from sheath_manip.tasks.gauze_cutting.scenario import Scenario as GauzeScenario
 from sheath_manip.tasks.gauze_cutting.task import GauzeTask
-from sheath_manip.tasks.gauze_cutting.task import Scenario as GauzeScenario
 from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask

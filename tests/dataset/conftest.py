@@ -7,7 +7,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, TaskSpec
 from tests.toy import Corridor
-from tools.kill_recorder import synthetic_episode, synthetic_info
+from tools.synthetic import synthetic_episode, synthetic_info
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,7 @@ from sheath_manip.protocols import Listener
 from sheath_manip.types import Episode
 from tests.episodes import INFO, episode_of
 from tests.waiting import DEADLINE_S
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 EPISODES = [episode_of("pe", info=replace(INFO, index=index)) for index in range(3)]
 

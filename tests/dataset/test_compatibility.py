@@ -21,7 +21,7 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.types import ActionSpec, EpisodeInfo, Purpose, TaskSpec
 from tests.episodes import INFO, episode_of
 from tests.toy import Corridor
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 SPEC = TaskSpec(
     name="toy",

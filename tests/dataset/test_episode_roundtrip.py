@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 from hypothesis import given
 
+from sheath_manip.dataset.attributes import read_header, to_attributes
 from sheath_manip.dataset.check import check
-from sheath_manip.dataset.header import header_of, read_header, to_attributes
+from sheath_manip.dataset.header import header_of
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.steps import arrays_of, episode_from
 from sheath_manip.dataset.store import EpisodeStore
@@ -15,7 +16,7 @@ from sheath_manip.types import (
 )
 from tests.cases import cases
 from tests.dataset.generated import episodes
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 
 @cases(30)

@@ -28,7 +28,8 @@ from sheath_manip.seeding import generator
 from sheath_manip.types import Limited
 from sheath_manip.types.samples import samples_from
 from tests.dataset.damages import DAMAGES, LENGTH
-from tools.kill_recorder import identical, synthetic_episode, synthetic_info
+from tools.identical import identical
+from tools.synthetic import synthetic_episode, synthetic_info
 
 STORES = 100
 

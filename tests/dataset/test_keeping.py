@@ -13,7 +13,7 @@ from sheath_manip.dataset.repair import Repaired, repair
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from tests.episodes import INFO, episode_of
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 OLD_S = 10_000.0
 

@@ -17,7 +17,7 @@ from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Outcome
 from sheath_manip.types.samples import samples_from
 from tests.episodes import INFO, episode_of
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 
 def test_stretches_join_and_refuse_what_is_none() -> None:

@@ -25,7 +25,8 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.seeding import generator
 from sheath_manip.types.samples import samples_from
 from tests.s3 import BUCKET, s3_server
-from tools.kill_recorder import identical, synthetic_episode, synthetic_info
+from tools.identical import identical
+from tools.synthetic import synthetic_episode, synthetic_info
 
 numbers = count()
 

@@ -20,7 +20,8 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.protocols import Listener
 from tests.dataset.tiny_episodes import INFO, entries, tiny
 from tests.waiting import DEADLINE_S
-from tools.kill_recorder import identical, synthetic_episode
+from tools.identical import identical
+from tools.synthetic import synthetic_episode
 
 
 class TestAppending:

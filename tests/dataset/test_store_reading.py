@@ -17,7 +17,8 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, Limited, Purpose
 from tests.dataset.tiny_episodes import INFO, tiny
-from tools.kill_recorder import identical, synthetic_episode, synthetic_info
+from tools.identical import identical
+from tools.synthetic import synthetic_episode, synthetic_info
 
 
 class TestReading:

@@ -18,7 +18,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.writer_process import WriterProcess, serve
 from sheath_manip.exceptions import StoreError
 from tests.episodes import INFO, episode_of
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 EPISODES = [episode_of("pe", info=replace(INFO, index=index)) for index in range(2)]
 

@@ -2,7 +2,7 @@
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
-from tools.kill_recorder import synthetic_episode
+from tools.synthetic import synthetic_episode
 
 INFO = EpisodeInfo("driving", 12345, Purpose.LEARNING, 10.0, "sheath", round=3, index=7)
 

@@ -8,8 +8,9 @@ import pytest
 
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
+from sheath_manip.tasks.gauze_cutting.scenario import Scenario
 from sheath_manip.tasks.gauze_cutting.scene import CALM
-from sheath_manip.tasks.gauze_cutting.task import GauzeTask, Scenario
+from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 
 SEED = 20
 """of no experiment"""

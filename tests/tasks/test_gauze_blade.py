@@ -8,10 +8,11 @@ from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert
 from sheath_manip.tasks.gauze_cutting.geometry import RADIUS_M
 from sheath_manip.tasks.gauze_cutting.measures import path_measures
+from sheath_manip.tasks.gauze_cutting.scenario import CONTROL_TIMESTEP_S, Scenario
 from sheath_manip.tasks.gauze_cutting.scene import CALM
 from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, PLANAR_VELOCITY
 from sheath_manip.tasks.gauze_cutting.study.open_loops import nominal, registered
-from sheath_manip.tasks.gauze_cutting.task import CONTROL_TIMESTEP_S, DEPTH_M, GauzeTask, Scenario
+from sheath_manip.tasks.gauze_cutting.task import DEPTH_M, GauzeTask
 from sheath_manip.types import Outcome
 from tests.tasks.gauze_bench import SEED, bench
 

@@ -9,7 +9,8 @@ import pytest
 from sheath_manip.tasks.gauze_cutting.geometry import CLIP_OF_VERTEX, CORNERS_M, MESH, RADIUS_M
 from sheath_manip.tasks.gauze_cutting.resting import clip_response
 from sheath_manip.tasks.gauze_cutting.scene import DEFAULT, NOMINAL, Slip, draw_scene
-from sheath_manip.tasks.gauze_cutting.task import DEPTH_M, STRAY_M, TEARING
+from sheath_manip.tasks.gauze_cutting.tally import STRAY_M, TEARING
+from sheath_manip.tasks.gauze_cutting.task import DEPTH_M
 from sheath_manip.types import Outcome
 from tests.tasks.gauze_bench import SEED, bench
 

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.attributes import to_attributes
 from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.replay_buffer import flat
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.extras import needs
-from sheath_manip.dataset.header import to_attributes
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
 

@@ -28,12 +28,13 @@ from numcodecs import Zstd
 from numpy.typing import NDArray
 from zarr.storage import LocalStore, ZipStore
 
+from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.group import FRAMES_PER_CHUNK
-from sheath_manip.dataset.header import Header, from_attributes, to_attributes
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError

@@ -22,12 +22,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import compatible
 from sheath_manip.dataset.extras import needs
-from sheath_manip.dataset.header import from_attributes, to_attributes
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError

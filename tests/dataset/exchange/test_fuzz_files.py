@@ -18,7 +18,7 @@ from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SheathError
 from tests.dataset.generated import of_task
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 Rng = np.random.Generator
 ATTRIBUTES = (7, [], {}, {"episodes": 3}, {"episodes": [], "limits": []}, {"episodes": [1, 2]})

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
+from sheath_manip.dataset.attributes import to_attributes
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.formats import open_file
 from sheath_manip.dataset.exchange.importing import import_episodes
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
-from sheath_manip.dataset.header import to_attributes
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.tasks.table import TASKS
 from tests.cases import cases
 from tests.dataset.generated import of_task
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 FORMATS = {
     "demos.zarr": "replay-buffer",

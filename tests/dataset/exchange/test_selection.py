@@ -15,7 +15,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
 from tests.episodes import INFO, episode_of
-from tools.kill_recorder import identical
+from tools.identical import identical
 
 
 def methods(store: EpisodeStore, selection: Selection) -> list[tuple[str, int]]:
