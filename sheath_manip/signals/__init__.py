@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sheath_manip.policies import make_embedding
+from sheath_manip.policies.shared import shared_by_name
 from sheath_manip.protocols import Embedding, Signal
 from sheath_manip.registry import Registry
 
@@ -47,4 +48,4 @@ PRECEDENTS = {"joined": "precedent", "trust-joined": "trust", "near-joined": "ne
 
 def make_signal(choice: SignalChoice, embedding: MakeEmbedding = make_embedding) -> Signal:
     """A fresh signal, its embeddings made by name; UnknownNameError for one that is in no table."""
-    return SIGNALS[choice.signal](choice, embedding)
+    return SIGNALS[choice.signal](choice, shared_by_name(embedding))

@@ -25,6 +25,7 @@ LEAST_SHARE = 1e-3
 TAIL = 0.05
 """below the lowest score of the expert an exponential tail goes on as steeply as p falls from this
 quantile to the lowest score, so that what is farther out ranks lower"""
+STEEPNESS = np.log(TAIL / LEAST_SHARE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,18 +35,23 @@ class Reference:
     scores: NDArray[np.float64]
     """(m,) sorted"""
     spread: float
-    """from the lowest to the TAIL quantile: found once, since it takes longer than all the rest"""
+    """from the lowest to the TAIL quantile"""
+    logs: NDArray[np.float64]
+    """(m + 1,) the logarithm of each share that can be; like the spread it is found once, since it
+    takes longer than all the rest"""
 
     @classmethod
     def of(cls, scores: NDArray[np.float64]) -> Self:
         """Measure how (m,) sorted `scores` lie; m is at least 1."""
-        return cls(scores, max(float(np.quantile(scores, TAIL)) - scores[0], 1e-12))
+        spread = max(float(np.quantile(scores, TAIL)) - scores[0], 1e-12)
+        shares = np.arange(len(scores) + 1) / len(scores)
+        return cls(scores, spread, np.log(shares + LEAST_SHARE))
 
     def log_share(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n,) the logarithm of the share of the m that is below each of (n,) `scores`."""
-        share = np.searchsorted(self.scores, scores, side="left") / len(self.scores)
+        below = self.scores.searchsorted(scores)
         beyond = np.minimum((scores - self.scores[0]) / self.spread, 0.0)
-        logs = np.log(share + LEAST_SHARE) + np.log(TAIL / LEAST_SHARE) * beyond
+        logs = self.logs[below] + STEEPNESS * beyond
         return np.where(np.isnan(scores), np.nan, logs)
 
 

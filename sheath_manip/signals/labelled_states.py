@@ -72,13 +72,16 @@ class LabelledStates:
         self.vectors_ = np.asarray(vectors, np.float32)
         self.labels_ = np.asarray(labels, np.float32)
         self._squares = np.einsum("nd,nd->n", self.vectors_, self.vectors_)
+        # Expert's choices are few: a proposal is held against each once, not against every state.
+        self._distinct, self._which = np.unique(self.labels_, axis=0, return_inverse=True)
         self._reach = self.tolerance * np.ptp(self.labels_, axis=0) + 1e-6
         return self
 
     def _batch(self, vectors: NDArray[np.float32], proposed: NDArray) -> Compared:
         squares = self._squares - 2 * (vectors @ self.vectors_.T)
         squares += np.einsum("nd,nd->n", vectors, vectors)[:, None]
-        same = (np.abs(proposed[:, None] - self.labels_) <= self._reach).all(axis=2)
+        alike = (np.abs(proposed[:, None] - self._distinct) <= self._reach).all(axis=2)
+        same = alike.take(self._which, axis=1)
         finite = np.isfinite(vectors).all(axis=1) & np.isfinite(proposed).all(axis=1)
         return Compared(squares, same, np.logical_not(finite))
 
