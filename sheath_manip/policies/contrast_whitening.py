@@ -4,7 +4,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.covariance import LedoitWolf
+from sklearn.covariance import ledoit_wolf
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.scaling import Whitening
@@ -39,7 +39,8 @@ class ContrastWhitening(Whitening):
                 f"wanted finite {wanted}"
             )
         Z = self.transform(displaced).astype(np.float64)
-        values, vectors = np.linalg.eigh(LedoitWolf(assume_centered=True).fit(Z).covariance_)
+        covariance, _ = ledoit_wolf(Z, assume_centered=True)
+        values, vectors = np.linalg.eigh(covariance)
         wider = values > 1
         # Where nothing is wider there is no contrast to judge by, and whitening has to do.
         if wider.any():

@@ -49,21 +49,22 @@ def _warped(
     images: NDArray[np.uint8], chosen: NDArray, angles_deg: NDArray, shifts: NDArray
 ) -> NDArray[np.uint8]:
     height, width = images.shape[1:3]
-    fixed = _never_changing(images)
+    rows, columns = np.nonzero(_never_changing(images))
     warped = np.empty((len(chosen), *images.shape[1:]), np.uint8)
     for number, index in enumerate(chosen):
         motion = cv2.getRotationMatrix2D(
             ((width - 1) / 2, (height - 1) / 2), float(angles_deg[number]), 1.0
         )
         motion[0, 2] += shifts[number] * width
-        warped[number] = cv2.warpAffine(
+        cv2.warpAffine(
             images[index],
             motion,
             (width, height),
+            dst=warped[number],
             flags=cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_REFLECT,
         )
-        warped[number][fixed] = images[index][fixed]
+    warped[:, rows, columns] = images[:, rows, columns][chosen]
     return warped
 
 

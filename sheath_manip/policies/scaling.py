@@ -4,7 +4,7 @@ from typing import ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.covariance import LedoitWolf
+from sklearn.covariance import ledoit_wolf
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
@@ -89,7 +89,8 @@ class Whitening:
         """Fit to (n, d) vectors; ParameterError where they are empty or not finite."""
         del displaced
         Z = self.standardisation.fit(X).transform(X).astype(np.float64)
-        covariance = LedoitWolf(assume_centered=True).fit(Z).covariance_
+        # The function, since the class inverts what it found, and that takes longer than all this.
+        covariance, _ = ledoit_wolf(Z, assume_centered=True)
         values, vectors = np.linalg.eigh(covariance)
         # Shrinkage leaves zero eigenvalues only where nothing moved at all.
         roots = np.sqrt(np.maximum(values, 1e-6 * max(float(values[-1]), 1e-6)))

@@ -7,7 +7,7 @@ out-of-distribution samples and adversarial attacks'.
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.covariance import LedoitWolf
+from sklearn.covariance import ledoit_wolf
 
 from sheath_manip.protocols import Arrays
 from sheath_manip.support.quantile_support import QuantileSupport
@@ -26,7 +26,7 @@ class MahalanobisSupport(QuantileSupport):
 
     def learn(self, Z: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n,) minus the distances of the training vectors, whose mean is 0."""
-        covariance = LedoitWolf(assume_centered=True).fit(Z.astype(np.float64)).covariance_
+        covariance, _ = ledoit_wolf(Z.astype(np.float64), assume_centered=True)
         values, vectors = np.linalg.eigh(covariance)
         # Directions in which the data never moved would have no width, and what leaves the
         # training states along them would be divided by 0.
