@@ -43,8 +43,8 @@ def import_episodes(
     """Append the episodes of `file` to `store`, but for those that it holds.
 
     What this project exported comes back as it was, whatever `origin` says. An import that was cut
-    off can be run again. Raises StoreError where the file is damaged or holds no episode, where a key
-    is missing, where an episode does not fit those of the store, and where that holds another
+    off can be run again. Raises StoreError where the file is damaged or holds no episode, where a
+    key is missing, where an episode does not fit those of the store, and where that holds another
     episode of the same name; ParameterError where another tool wrote the file and there is no
     `origin`, or one of another control rate than the file says.
     """
