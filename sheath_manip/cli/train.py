@@ -70,6 +70,7 @@ class Train(Planned):
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.compatibility import remarks
+        from sheath_manip.dataset.finite import require_finite_features
         from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.gates.fitted import Sources
@@ -99,6 +100,7 @@ class Train(Planned):
         taken, left_out = self._chosen(summaries)
         training, held_out = self._split(taken, left_out)
         with session.err.status("reading"):
+            require_finite_features(store, [*training, *held_out])
             states = (
                 samples_from(store.learnable(training))
                 if self.cache is None
