@@ -59,13 +59,17 @@ PROBLEM = _tried()
 """why there is no OpenGL, with the cure; None where there is"""
 
 
+def require_opengl() -> None:
+    """Raise SetupError, one line with the cure, where there is no OpenGL."""
+    if PROBLEM is not None:
+        raise SetupError(PROBLEM)
+
+
 @contextmanager
 def first_picture() -> Iterator[None]:
     """Raise SetupError, one line with the cure, where the first picture cannot be rendered."""
-    if PROBLEM is not None:
-        raise SetupError(PROBLEM)
+    require_opengl()
     try:
         yield
     except Exception as error:
-        # A display that is missing shows only now.
         raise SetupError(gl_failure(BACKEND, error)) from error

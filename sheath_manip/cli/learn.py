@@ -82,7 +82,7 @@ class Learn(Planned):
 
     def run(self, session: Session) -> int:
         """Run all rounds, then print what each showed."""
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         for name in (self.expert, self.demonstrator):
             if name not in (SCRIPTED, PERSON):
                 raise UnknownNameError("expert to learn from", name, (SCRIPTED, PERSON))

@@ -55,6 +55,7 @@ def test_what_does_not_work_is_one_line(tmp_path, setting, told) -> None:
     assert done.stderr.startswith("sheath: ")
     assert done.stderr.count("\n") == 1
     assert told in done.stderr
+    assert not (tmp_path / "store").exists()
 
 
 @pytest.mark.soak
