@@ -63,9 +63,14 @@ _HOMES = {
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
-# Without a display MuJoCo must be told to render off screen before it is first imported.
-if sys.platform == "linux" and not os.environ.get("DISPLAY"):
-    os.environ.setdefault("MUJOCO_GL", "egl")
+# Before MuJoCo is first imported, which takes capitals and blanks where dm_control does not.
+# Without a display it must be told to render off screen.
+if sys.platform == "linux":
+    _backend = os.environ.get("MUJOCO_GL", "").strip().lower()
+    if not _backend and not os.environ.get("DISPLAY"):
+        _backend = "egl"
+    if _backend:
+        os.environ["MUJOCO_GL"] = _backend
 
 
 def __getattr__(name: str) -> Any:

@@ -30,14 +30,12 @@ def task_main(task: str, argv: Sequence[str] | None = None) -> int:
 def load_catalog() -> "Catalog":
     """Import and return the tables of tasks and studies.
 
-    Raises SetupError where the machine lacks their simulator, or the GL library that it wants.
+    Raises SetupError where the machine lacks their simulator.
     """
     from sheath_manip.cli.doctor import require_simulator
-    from sheath_manip.cli.gl import require_gl
 
     require_simulator()
-    require_gl()
-    # Only now: without its GL library MuJoCo cannot be imported, and `sheath doctor` must run.
+    # Only now: without the simulator they cannot be imported, and `sheath doctor` must run.
     from sheath_manip.cli.session import Catalog
     from sheath_manip.tasks.table import STUDIES, TASKS
 

@@ -39,6 +39,9 @@ class Task:
     picture: Callable[[Any], NDArray[np.uint8]] | None = None
     """(h, w, 3) RGB of how an environment stands, for films of a task that no camera looks at, or
     none with a picture large enough"""
+    require: Callable[[], None] | None = None
+    """raises SetupError where this machine cannot run an episode of it, such as for want of OpenGL;
+    None where any machine can"""
 
     def make(self, variant: str = "default") -> Environment:
         """Return a new environment; raises UnknownNameError."""

@@ -16,3 +16,6 @@ one_thread_by_default()
 for _name in ("torch", "triton"):
     if find_spec(_name):
         import_module(_name)
+
+# Then OpenGL, before any task imports the simulator with it.
+import_module("sheath_manip.tasks.opengl")

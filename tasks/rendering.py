@@ -7,6 +7,7 @@ from dm_control.mujoco import engine
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.tasks.opengl import first_picture
 
 
 class PyramidCamera:
@@ -40,10 +41,13 @@ class PyramidCamera:
         """Return a picture, (h, w, 3) RGB."""
         if self._camera is None or self._model is not physics.model.ptr:
             self._model = physics.model.ptr
-            self._camera = engine.Camera(
-                physics, height=self._size_px, width=self._size_px, camera_id=self._name
-            )
-        image = self._camera.render()
+            with first_picture():
+                self._camera = engine.Camera(
+                    physics, height=self._size_px, width=self._size_px, camera_id=self._name
+                )
+                image = self._camera.render()
+        else:
+            image = self._camera.render()
         for _ in range(self._levels):
             image = cv2.pyrDown(image)
         return np.ascontiguousarray(image)

@@ -36,7 +36,7 @@ class Collect:
     def run(self, session: Session) -> int:
         """Record them, then print the outcomes."""
         at_least_one("episodes", self.episodes)
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         # Only now: other verbs need no store.
         from sheath_manip.cli.episodes import executor_of, opened, print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore

@@ -31,7 +31,7 @@ class Evaluate:
     def run(self, session: Session) -> int:
         """Run the scenes, then print rates and means with their 95 % intervals."""
         at_least_one("episodes", self.episodes)
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import executor_of, opened, print_figures
         from sheath_manip.learning.checkpoint import digest, load_checkpoint

@@ -73,6 +73,7 @@ class Experiment(Comparing, Planned):
         tasks = session.catalog().tasks
         if self.task not in tasks:
             raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS))
+        session.runnable(self.task)
         study = session.study(self.task)
         policy = asked_policy(self.policy, study.plan(self.size))
         plan = LearningPlan(policy, self.gate, self.schedule, self.comparison)

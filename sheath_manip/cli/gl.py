@@ -1,12 +1,9 @@
 """Rendering on this machine: the back end of GL in force, its libraries, and a frame as a trial."""
 
 import ctypes
-import functools
 import os
 import subprocess
 import sys
-
-from sheath_manip.exceptions import SetupError
 
 GL_TIMEOUT_S = 60.0
 """a driver that hangs must not hang the doctor; a cold start takes about one second"""
@@ -79,24 +76,35 @@ def render_time_ms(backend: str) -> float | str:
     return lines[-1] if lines else f"the process ended with {done.returncode}"
 
 
-def require_gl() -> None:
-    """Raise `SetupError` where the GL library that MUJOCO_GL asks for is missing; no rendering."""
-    if sys.platform == "linux":
-        _load_gl(gl_in_force())
+def gl_problem(backend: str) -> str | None:
+    """Return why rendering with `backend` cannot work here, and the cure; None where it may.
 
-
-@functools.cache
-def _load_gl(backend: str) -> None:
+    Its libraries are looked for, and nothing is rendered.
+    """
+    if backend in GL_OFF:
+        return f"MUJOCO_GL={backend} turns rendering off; cure: unset MUJOCO_GL"
     if backend not in GL_LIBRARIES:
-        raise SetupError(
-            f"rendering wants MUJOCO_GL to be one of {', '.join(GL_LIBRARIES)}, it is {backend!r}"
-        )
+        known = ", ".join(GL_LIBRARIES)
+        return f"rendering wants MUJOCO_GL to be one of {known}, it is {backend!r}"
+    if sys.platform != "linux":
+        return None
     for names in GL_LIBRARIES[backend]:
         if not any(_loads(name) for name in names):
-            raise SetupError(
-                f"rendering with MUJOCO_GL={backend} wants {names[0]}, which this machine lacks; "
-                f"cure: {GL_CURES[backend]} (`sheath doctor` tells more)"
-            )
+            wanted = f"rendering with MUJOCO_GL={backend} wants {names[0]}"
+            return f"{wanted}, which this machine lacks; {cure_of(backend)}"
+    return None
+
+
+def gl_failure(backend: str, error: BaseException) -> str:
+    """Return what is told where rendering with `backend` was tried and failed."""
+    # Drivers say nothing, or many lines.
+    said = (str(error).strip().splitlines() or [type(error).__name__])[0].rstrip(".")
+    return f"rendering with MUJOCO_GL={backend} does not work here ({said}); {cure_of(backend)}"
+
+
+def cure_of(backend: str) -> str:
+    """Return what helps where `backend` does not work."""
+    return f"cure: {GL_CURES[backend]} (`sheath doctor` tells more)"
 
 
 def _loads(library: str) -> bool:

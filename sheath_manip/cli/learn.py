@@ -53,6 +53,8 @@ class Learn(Planned):
     """scenes on which the policy alone is judged after each round"""
     final_episodes: int = Comparison.final_episodes
     """scenes on which the last policy is judged"""
+    failures: bool = False
+    """learn also from expert episodes that did not succeed, by what was recorded or marked"""
     seed: int = 0
     """seed of the training run"""
     workers: int = 0
@@ -80,7 +82,7 @@ class Learn(Planned):
 
     def run(self, session: Session) -> int:
         """Run all rounds, then print what each showed."""
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         for name in (self.expert, self.demonstrator):
             if name not in (SCRIPTED, PERSON):
                 raise UnknownNameError("expert to learn from", name, (SCRIPTED, PERSON))
@@ -119,6 +121,7 @@ class Learn(Planned):
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import executor_of
         from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.methods import method_named
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
@@ -126,8 +129,8 @@ class Learn(Planned):
 
         method_named(self.method)
         self.runs.mkdir(parents=True, exist_ok=True)
-        require_same_plan(plan.described(), self.runs / "plan.json")
-        by_hand = operated or _as_it_is
+        described = plan.described() | ({"failures": True} if self.failures else {})
+        require_same_plan(described, self.runs / "plan.json")
         with (
             executor_of(self.workers, bool(listeners)) as executor,
             session.progress("episodes and fits", plan.units()) as report,
@@ -141,8 +144,9 @@ class Learn(Planned):
                 executor,
                 listeners,
                 report,
-                supervised=by_hand if self.expert == PERSON else _as_it_is,
-                demonstrated=by_hand if self.demonstrator == PERSON else _as_it_is,
+                supervised=operated if self.expert == PERSON else None,
+                demonstrated=operated if self.demonstrator == PERSON else None,
+                failures=self.failures,
             )
             results = learning.run(self.method)
         table = Table(box=None, pad_edge=False)
@@ -159,11 +163,9 @@ class Learn(Planned):
         session.out.print(table)
         last = round_path(self.runs, self.seed, results[-1].method, results[-1].round, "npz")
         session.out.print(Text(f"the last policy and its gate: {last}"))
+        if learning.left_out:
+            session.out.print(Text(left_out_line(learning.left_out)))
         return 0
-
-
-def _as_it_is(driver: "Driver") -> "Driver":
-    return driver
 
 
 def _failed(records) -> str:

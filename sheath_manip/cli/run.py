@@ -51,7 +51,7 @@ class Run:
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""
         at_least_one("episodes", self.episodes)
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         if self.expert == PERSON:
             return self._with_a_person(task, session)
         self.operating.require_default()

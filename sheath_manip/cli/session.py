@@ -51,6 +51,13 @@ class Session:
             raise UnknownNameError("task", name, tasks)
         return tasks[name]
 
+    def runnable(self, name: str) -> Task:
+        """Return the task, of which episodes are to be run; raises SetupError where none can."""
+        task = self.task(name)
+        if task.require is not None:
+            task.require()
+        return task
+
     def study(self, name: str) -> Study:
         """Return the study of the task, a bare one where it has none; raises UnknownNameError."""
         task, studies = self.task(name), self.catalog().studies

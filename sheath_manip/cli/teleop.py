@@ -42,7 +42,7 @@ class Teleop:
     def run(self, session: Session) -> int:
         """Record them, then print the outcomes."""
         at_least_one("episodes", self.episodes)
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         # Nobody else demonstrates: what a person leaves, the robot holds.
         fallback = HOLD if HOLD in task.fallbacks else SCRIPTED
         operating = Operating(fallback, float("inf"), self.speed, self.spacemouse)

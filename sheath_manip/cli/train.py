@@ -24,15 +24,13 @@ if TYPE_CHECKING:
     from sheath_manip.protocols import TrainablePolicy
     from sheath_manip.types import TaskSpec
 
-BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Train(Planned):
     """Fit a policy, the support of its training states, and the threshold of its gate.
 
-    All labelled states of the store are trained on, but for some expert episodes, which are held
-    out for the threshold.
+    All labelled states of the store are trained on, but for expert episodes that failed, and for
+    some that are held out for the threshold.
     """
 
     task: TaskName
@@ -45,6 +43,8 @@ class Train(Planned):
     gate: GateConfig = field(default_factory=GateConfig)
     calibration: int = Schedule.calibration
     """expert episodes held out for the threshold, at least 3"""
+    failures: bool = False
+    """train also on expert episodes that did not succeed, by what was recorded or marked"""
     seed: int = 0
     """seed of the policy's first weights and the order of its batches"""
     cache: Annotated[Path | None, default_is("states are read into memory")] = None
@@ -70,10 +70,12 @@ class Train(Planned):
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import opened
         from sheath_manip.dataset.compatibility import remarks
+        from sheath_manip.dataset.finite import require_finite_features
         from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.gates.fitted import Sources
         from sheath_manip.learning.checkpoint import Checkpoint, digest
+        from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
@@ -95,8 +97,10 @@ class Train(Planned):
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
-        training, held_out = self._split(summaries, self.calibration)
+        taken, left_out = self._chosen(summaries)
+        training, held_out = self._split(taken, left_out)
         with session.err.status("reading"):
+            require_finite_features(store, [*training, *held_out])
             states = (
                 samples_from(store.learnable(training))
                 if self.cache is None
@@ -145,7 +149,9 @@ class Train(Planned):
         for name, value in rows.items():
             table.add_row(name, Text(value))
         session.out.print(table)
-        for remark in remarks((each.info.variant, each.spec) for each in summaries):
+        if left_out:
+            session.out.print(Text(left_out_line(each.outcome for each in left_out)))
+        for remark in remarks((each.info.variant, each.spec) for each in taken):
             session.out.print(Text(remark))
         return 0
 
@@ -161,24 +167,39 @@ class Train(Planned):
             who = f"{each.name} of {self.store}"
             require_compatible(wanted, each.spec, who, f"the task {spec.name}", remedy)
 
+    def _chosen(
+        self, summaries: "Sequence[EpisodeSummary]"
+    ) -> "tuple[list[EpisodeSummary], list[EpisodeSummary]]":
+        """The episodes with something to learn from, and those left out for how they ended."""
+        from sheath_manip.learning.demonstrations import BY_THE_EXPERT, is_learned_from
+
+        taken, left_out = list["EpisodeSummary"](), list["EpisodeSummary"]()
+        for each in summaries:
+            if each.queries or each.info.purpose in BY_THE_EXPERT:
+                learned = is_learned_from(each.info.purpose, each.outcome, self.failures)
+                (taken if learned else left_out).append(each)
+        return taken, left_out
+
     def _split(
-        self, summaries: "Sequence[EpisodeSummary]", count: int
+        self, taken: "Sequence[EpisodeSummary]", left_out: "Sequence[EpisodeSummary]"
     ) -> tuple[list[str], list[str]]:
-        """The names of the episodes to train on, and of the expert's last `count`, held out."""
+        """The names of the episodes to train on, and of the expert's last few, held out."""
+        from sheath_manip.learning.demonstrations import BY_THE_EXPERT, left_out_line
+
         expert = sorted(
             (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name)
-            for s in summaries
+            for s in taken
             if s.info.purpose in BY_THE_EXPERT
         )
-        if len(expert) <= count:
+        if len(expert) <= self.calibration:
+            told = f" ({left_out_line(s.outcome for s in left_out)})" if left_out else ""
             raise ParameterError(
-                f"{self.store} holds {len(expert)} expert episodes; wanted more than the "
-                f"{count} that are held out: record more with `sheath collect {self.task}`, "
-                "or give a smaller --calibration"
+                f"{self.store} holds {len(expert)} expert episodes to learn from{told}; wanted "
+                f"more than the {self.calibration} that are held out: record more with "
+                f"`sheath collect {self.task}`, or give a smaller --calibration"
             )
-        held_out = [name for *_, name in expert[-count:]]
-        training = [s.name for s in summaries if s.queries or s.info.purpose in BY_THE_EXPERT]
-        return [name for name in training if name not in set(held_out)], held_out
+        held_out = [name for *_, name in expert[-self.calibration :]]
+        return [s.name for s in taken if s.name not in set(held_out)], held_out
 
 
 def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:
@@ -188,7 +209,7 @@ def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:
 
 
 def _outcomes(summaries: "Sequence[EpisodeSummary]", names: Sequence[str]) -> str:
-    """How the named episodes ended: one that failed is learned from as well."""
+    """How the named episodes ended."""
     taken = set(names)
     counts = Counter(str(each.outcome) for each in summaries if each.name in taken)
     return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())

@@ -45,7 +45,7 @@ class Watch:
             at_least_one("episodes", self.episodes)
         cockpit = Cockpit(paced=True)
         pacing = Pacing(self.speed, lambda: cockpit.speed)
-        task = session.task(self.task)
+        task = session.runnable(self.task)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.adjusting import adjusted
         from sheath_manip.cli.episodes import opened, run_all

@@ -65,7 +65,7 @@ def mapped_samples(reader: EpisodeReader, names: Sequence[str], folder: Path) ->
 
 def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None:
     """Write the files aside, then give their directory its name."""
-    count = sum(int(_labelled(reader, name).sum()) for name in names)
+    count = sum(int(labelled_steps(reader, name).sum()) for name in names)
     if not count:
         raise ParameterError(
             "no labelled state to train on; record episodes whose gate asks for labels"
@@ -75,7 +75,7 @@ def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None
         aside.mkdir(parents=True)
         files, start = dict[str, NDArray](), 0
         for number, recorded in enumerate(uniform(map(reader.recorded, names))):
-            rows = _rows(recorded, _labelled(reader, names[number]), number)
+            rows = _rows(recorded, labelled_steps(reader, names[number]), number)
             stop = start + len(rows["episodes"])
             for name, values in rows.items():
                 if name not in files:
@@ -95,7 +95,8 @@ def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def _labelled(reader: EpisodeReader, name: str) -> NDArray[np.bool_]:
+def labelled_steps(reader: EpisodeReader, name: str) -> NDArray[np.bool_]:
+    """(T,) which steps of the episode `name` are learned from."""
     specs = {spec.path: spec for spec in layout(reader.header(name))}
     arrays = {path: reader.array(name, specs[path]) for path in ("has_labelled", "query")}
     has = has_label(arrays)

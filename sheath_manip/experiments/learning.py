@@ -50,7 +50,16 @@ class Job:
         store = EpisodeStore(self.runs / "store")
         with SerialExecutor() as executor:
             learning = LearningRun(
-                self.task, self.plan, self.seed, self.runs, store, executor, listeners, report
+                self.task,
+                self.plan,
+                self.seed,
+                self.runs,
+                store,
+                executor,
+                listeners,
+                report,
+                # All methods are held against each other by all that the expert showed.
+                failures=True,
             )
             if self.method == PREPARE:
                 learning.prepare()

@@ -11,6 +11,9 @@ from sheath_manip.policies.config import PolicyConfig
 
 Config = TypeVar("Config")
 
+LEAST_CALIBRATION = 3
+"""held-out expert episodes that a threshold wants"""
+
 
 @dataclass(frozen=True)
 class Schedule:
@@ -41,10 +44,10 @@ class Schedule:
 
     def __post_init__(self) -> None:
         _at_least_one(self, ("rounds", "episodes", "demonstrations", "false_alarm_episodes"))
-        if self.calibration < 3:
+        if self.calibration < LEAST_CALIBRATION:
             raise ParameterError(
                 f"calibration is {self.calibration}; "
-                "the threshold wants at least 3 held-out episodes"
+                f"the threshold wants at least {LEAST_CALIBRATION} held-out episodes"
             )
         if not 0 < self.alpha < 1:
             raise ParameterError(f"alpha is {self.alpha}; wanted 0 .. 1")

@@ -1,5 +1,6 @@
 """Evaluate a policy or an expert, ungated, on held-out scenes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sheath_manip.learning.checkpoint import Checkpoint
@@ -68,8 +69,11 @@ class Evaluation:
 
     def of(
         self, driver: Driver, fitted: Checkpoint, final: bool = False
-    ) -> tuple[EpisodeRecord, ...]:
-        """Evaluate `driver`, the policy of `fitted`; `final` on the scenes for last policies."""
+    ) -> Iterator[EpisodeRecord]:
+        """Evaluate `driver`, the policy of `fitted`; `final` on the scenes for last policies.
+
+        The episodes run when they are asked for, or from now on where the executor overlaps.
+        """
         comparison = self.plan.comparison
         requests = evaluation_requests(
             self.task,
@@ -82,4 +86,4 @@ class Evaluation:
             number=fitted.round,
             run_seed=fitted.run_seed,
         )
-        return tuple(record_of(each) for each in self.executor.map(requests, report=self.report))
+        return map(record_of, self.executor.map(requests, report=self.report))

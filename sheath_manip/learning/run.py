@@ -5,17 +5,20 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.learning.asking import Beside, RunEpisodes
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.checkpoints import Checkpoints
-from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.drivers import ExpertAlone, GatedPolicy, NoisyExpert, PolicyAlone
+from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
+from sheath_manip.learning.demonstrations import learned_from
+from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 from sheath_manip.learning.evaluation import Evaluation
+from sheath_manip.learning.judged import Judged, Measuring
 from sheath_manip.learning.methods import METHODS, Method, method_named
 from sheath_manip.learning.results import (
     EXPERT,
@@ -24,22 +27,15 @@ from sheath_manip.learning.results import (
     read_result,
     round_path,
     round_results,
-    write_result,
 )
 from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
 from sheath_manip.metrics import expert_share, record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.executor import Executor, unheard
-from sheath_manip.rollout.request import Driver, EpisodeRequest
-from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
-from sheath_manip.types import Episode, EpisodeInfo, Purpose, TaskSpec
+from sheath_manip.types import Episode, Outcome, Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
-
-
-def _as_it_is(driver: Driver) -> Driver:
-    return driver
 
 
 class LearningRun:
@@ -59,13 +55,15 @@ class LearningRun:
         executor: Executor,
         listeners: Sequence[Listener] = (),
         report: Report = unheard,
-        supervised: Callable[[Driver], Driver] = _as_it_is,
-        demonstrated: Callable[[Driver], Driver] = _as_it_is,
+        supervised: Beside | None = None,
+        demonstrated: Beside | None = None,
+        failures: bool = False,
     ) -> None:
         """Store what is learned, and who runs the episodes.
 
         `supervised` puts a person beside what drives each learning episode, and `demonstrated`
-        beside the expert of those before: where the expert is a person at the controls.
+        beside the expert of those before: where the expert is a person at the controls. With
+        `failures` expert episodes that did not succeed are learned from as well.
         """
         self.task = task
         self.plan = plan
@@ -76,39 +74,48 @@ class LearningRun:
         self.listeners = listeners
         self.report = report
         self.spec = _spec_of(task, plan.schedule.variant, run_seed)
-        self._supervised = supervised
-        self._demonstrated = demonstrated
+        self.episodes = RunEpisodes(
+            task,
+            plan.schedule,
+            self.spec,
+            run_seed,
+            store,
+            executor,
+            listeners,
+            report,
+            supervised,
+            demonstrated,
+        )
+        self.left_out: list[Outcome] = []
+        """how the expert episodes ended that were not learned from"""
+        self._failures = failures
 
     def start(self) -> SharedStart:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         schedule = self.plan.schedule
-        demonstrations = self._demonstrations()
-        count = schedule.calibration + schedule.false_alarm_episodes
-        held_out = self._expert_episodes(Purpose.CALIBRATION, count)
-        samples = [samples_from([episode]) for episode in held_out]
-        names = [episode_name(episode.info) for episode in held_out]
+        self.left_out.clear()
+        demonstrations = self._learned_from(self.episodes.demonstrations(), 1)
+        held_out = self.episodes.held_out()
+        new = held_out[schedule.calibration :]
+        held_out = self._learned_from(held_out[: schedule.calibration], LEAST_CALIBRATION)
         checkpoints = Checkpoints(
             self.spec,
             self.plan,
             self.run_seed,
             self.directory,
-            names[: schedule.calibration],
-            samples[: schedule.calibration],
+            [episode_name(episode.info) for episode in held_out],
+            [samples_from([episode]) for episode in held_out],
         )
         states = samples_from(demonstrations)
-        learned_from = [episode_name(episode.info) for episode in demonstrations]
-        first = self._fitted(checkpoints.first(states, learned_from), states)
-        check = samples[schedule.calibration :]
-        return SharedStart(first, checkpoints, states, learned_from, check)
+        names = [episode_name(episode.info) for episode in demonstrations]
+        first = self._fitted(checkpoints.first(states, names), states)
+        check = [samples_from([episode]) for episode in new]
+        return SharedStart(first, checkpoints, states, names, check)
 
     def prepare(self) -> SharedStart:
         """Start, and measure what was started with: round 0."""
         start = self.start()
-        if not self._path(EXPERT, 0, "json").exists():
-            stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
-            first, states = start.checkpoint, len(start.demonstrations)
-            measured = self._shown(start, first, first, list(stored), states)
-            write_result(self._path(EXPERT, 0, "json"), measured)
+        self._first_judged(start).finished()
         return start
 
     def run(self, method_name: str) -> list[RoundResult]:
@@ -119,15 +126,16 @@ class LearningRun:
             for result in done:
                 self._tell(result)
             return done
-        start = self.prepare()
-        results = [read_result(self._path(EXPERT, 0, "json"))]
-        self._tell(results[0])
+        start = self.start()
+        judged, results = self._first_judged(start), list[RoundResult]()
         labelled, names = [start.demonstrations], list(start.names)
         checkpoint = start.checkpoints.begun(
             method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
         )
-        while not results[-1].final:
-            number = len(results)
+        while not judged.last:
+            if not self.executor.overlaps:
+                self._finish(judged, results)
+            number = judged.number + 1
             episodes = self._learning_episodes(start, method, number, checkpoint)
             visited = visited_from(episodes)
             if visited.is_labelled.any():
@@ -144,14 +152,17 @@ class LearningRun:
                 self._share(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
-            path = self._path(method.name, number, "json")
-            if not path.exists():
-                measured = self._shown(start, checkpoint, refitted, episodes, len(aggregated))
-                write_result(path, measured)
-            results.append(read_result(path))
-            self._tell(results[-1])
+            if self.executor.overlaps:
+                # That policy was alone on its scenes while this round was collected and fitted to.
+                self._finish(judged, results)
+            judged = self._judged(start, checkpoint, refitted, episodes, len(aggregated))
             checkpoint = refitted
+        self._finish(judged, results)
         return results
+
+    def _finish(self, judged: Judged, results: list[RoundResult]) -> None:
+        results.append(judged.finished())
+        self._tell(results[-1])
 
     def _tell(self, result: RoundResult) -> None:
         for listener in self.listeners:
@@ -164,16 +175,12 @@ class LearningRun:
             listener.on_fit(states)
         return checkpoint
 
-    def _demonstrations(self) -> list[Episode]:
-        schedule = self.plan.schedule
-        if schedule.demonstration_noise == 0:
-            return self._expert_episodes(Purpose.DEMONSTRATION, schedule.demonstrations)
-        driver = NoisyExpert(schedule.demonstration_noise)
-        return self._episodes(Purpose.DEMONSTRATION, EXPERT, 0, schedule.demonstrations, driver)
-
-    def _expert_episodes(self, purpose: Purpose, count: int) -> list[Episode]:
-        driver = self._demonstrated(ExpertAlone())
-        return self._episodes(purpose, EXPERT, 0, count, driver)
+    def _learned_from(self, episodes: Sequence[Episode], least: int) -> list[Episode]:
+        # With noise on its actions it was the noise that failed.
+        failures = self._failures or self.plan.schedule.demonstration_noise > 0
+        taken, left_out = learned_from(episodes, self.store, failures, least)
+        self.left_out += left_out
+        return taken
 
     def _learning_episodes(
         self, start: SharedStart, method: Method, number: int, checkpoint: Checkpoint
@@ -181,38 +188,7 @@ class LearningRun:
         checkpoints = start.checkpoints
         digest = checkpoints.digest(checkpoint)
         driver = GatedPolicy(checkpoints.path(checkpoint), digest)
-        count = self.plan.schedule.episodes
-        driven = self._supervised(driver)
-        return self._episodes(Purpose.LEARNING, method.name, number, count, driven, digest)
-
-    def _episodes(
-        self,
-        purpose: Purpose,
-        method: str,
-        number: int,
-        count: int,
-        driver: Driver,
-        checkpoint: str = "",
-    ) -> list[Episode]:
-        """Run or read `count` episodes of round `number`; all of them are on the disk then."""
-        variant = self.plan.schedule.variant
-        infos = [
-            EpisodeInfo.of(
-                self.spec,
-                variant=variant,
-                # Not by method: all methods meet the same scenes in the same round.
-                seed=scene_seed(purpose, self.run_seed, number, index),
-                purpose=purpose,
-                method=method,
-                round=number,
-                index=index,
-                run_seed=self.run_seed,
-                checkpoint=checkpoint,
-            )
-            for index in range(count)
-        ]
-        requests = [EpisodeRequest(self.task, info, driver) for info in infos]
-        return list(self.executor.map(requests, self.store, self.listeners, self.report))
+        return self.episodes.of_round(method.name, number, driver, digest)
 
     def _share(self, method: Method, number: int) -> float | None:
         """The expert's share in a round, where a schedule or another method says so."""
@@ -228,40 +204,50 @@ class LearningRun:
             )
         return expert_share(read_result(path).executed)
 
-    def _shown(
+    def _first_judged(self, start: SharedStart) -> Judged:
+        stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
+        first, states = start.checkpoint, len(start.demonstrations)
+        return self._judged(start, first, first, stored, states)
+
+    def _judged(
         self,
         start: SharedStart,
         driver: Checkpoint,
         fitted: Checkpoint,
-        episodes: Sequence[Episode],
+        episodes: Iterable[Episode],
         states: int,
-    ) -> RoundResult:
+    ) -> Judged:
         """What the round showed: `driver` drove it, `fitted` was fitted after it to `states`."""
-        begin = time.perf_counter()
-        tolerance = self.spec.action.tolerance
-        metrics = compute_round_metrics(episodes, driver, fitted, start.check, tolerance)
+        path = self._path(fitted.method, fitted.round, "json")
+        if path.exists():
+            return Judged.before(path)
+        begin_s = time.perf_counter()
         evaluation = Evaluation(self.task, self.plan, self.spec, self.executor, self.report)
         digest = start.checkpoints.digest(fitted)
         alone = PolicyAlone(start.checkpoints.path(fitted), digest)
         policy = evaluation.of(alone, fitted)
+        episodes = list(episodes)
+        tolerance = self.spec.action.tolerance
+        metrics = compute_round_metrics(episodes, driver, fitted, start.check, tolerance)
         last = self._is_last(fitted.method, fitted.round, metrics.surrogate_loss)
-        final = evaluation.of(alone, fitted, final=True) if last else ()
-        return RoundResult(
+        measured = RoundResult(
             method=fitted.method,
             run_seed=self.run_seed,
             round=fitted.round,
             checkpoint=digest,
             executed=tuple(record_of(episode) for episode in episodes),
-            policy=policy,
-            final=final,
+            policy=(),
+            final=(),
             false_alarm_rate=metrics.false_alarm_rate,
             missed_rate=metrics.missed_rate,
             surrogate_loss=metrics.surrogate_loss,
             bound=metrics.bound,
             threshold=fitted.threshold,
             states=states,
-            wall_s=time.perf_counter() - begin,
+            wall_s=0.0,
         )
+        final = evaluation.of(alone, fitted, final=True) if last else ()
+        return Judged(path, fitted.round, last, Measuring(measured, begin_s, policy, final))
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.

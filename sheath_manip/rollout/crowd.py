@@ -31,6 +31,11 @@ class Ticket:
         """The name of the episode."""
         return episode_name(self.errand.request.info)
 
+    @property
+    def recorded(self) -> bool:
+        """Whether the episode is kept in a store."""
+        return self.errand.store is not None
+
 
 @dataclass(eq=False)
 class _Worker:
@@ -63,7 +68,10 @@ class Crowd:
         with self._lock:
             if self._closing:
                 raise ParameterError("the executor is closed; wanted an open one")
-            self._pending.extend(tickets)
+            # Recorded ones first, each kind in the order of asking.
+            self._pending = deque(
+                sorted((*self._pending, *tickets), key=lambda each: not each.recorded)
+            )
             if self._thread is None:
                 self._thread = threading.Thread(target=self._dispatch, daemon=True)
                 self._thread.start()
@@ -138,9 +146,10 @@ class Crowd:
                     ticket.answers.put((ticket, Answer(fault=fault)))
 
     def _next_for(self, worker: _Worker) -> Ticket:
-        """The first that wants the environment which the worker has, else the first."""
+        """The first of its kind that wants the environment which the worker has, else the first."""
+        first = self._pending[0]
         for ticket in self._pending:
-            if _place(ticket) == worker.place:
+            if ticket.recorded is first.recorded and _place(ticket) == worker.place:
                 self._pending.remove(ticket)
                 return ticket
         return self._pending.popleft()

@@ -1,7 +1,7 @@
 """What runs episodes that are asked for as values."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Listener, Report
@@ -15,6 +15,10 @@ def unheard(word: str) -> None:
 
 class Executor(Protocol):
     """Runs requests; the same ones give the same bytes in the store, wherever they run."""
+
+    overlaps: ClassVar[bool]
+    """whether requests run from when `map` is called, beside those of later calls; else each runs
+    when its episode is asked for"""
 
     def map(
         self,

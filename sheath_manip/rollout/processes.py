@@ -3,7 +3,7 @@
 import queue
 from collections.abc import Iterable, Iterator, Sequence
 from types import TracebackType
-from typing import Self
+from typing import ClassVar, Self
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
@@ -23,6 +23,8 @@ class ProcessExecutor:
     `map` may be called from several threads at once.
     """
 
+    overlaps: ClassVar[bool] = True
+
     def __init__(self, workers: int) -> None:
         """Store how many; they start with the first request. ParameterError for less than one."""
         self._crowd = Crowd(workers)
@@ -36,8 +38,10 @@ class ProcessExecutor:
     ) -> Iterator[Episode]:
         """Run each episode, or read it where the store has it; given in the requests' order.
 
-        Without a store episodes come without images. Raises ParameterError for listeners, which
-        cannot follow into other processes, and WorkerError where an episode cannot be run.
+        All begin now; those that are recorded go before those that are not, since it is their
+        like that the next fit waits for. Without a store episodes come without images. Raises
+        ParameterError for listeners, which cannot follow into other processes, and WorkerError
+        where an episode cannot be run.
         """
         if listeners:
             raise ParameterError("listeners follow one process only; wanted a SerialExecutor")
@@ -51,23 +55,7 @@ class ProcessExecutor:
             for request in asked
         ]
         self._crowd.submit([ticket for ticket in tickets if ticket is not None])
-        done: dict[int, Answer] = {}
-        for request, ticket in zip(asked, tickets, strict=True):
-            while ticket is not None and id(ticket) not in done:
-                finished, answer = answers.get()
-                if answer.fault is not None:
-                    raise answer.fault
-                done[id(finished)] = answer
-                report(_word(finished.errand.request))
-            if ticket is None:
-                report(_word(request))
-            if store is not None:
-                yield store.read(episode_name(request.info))
-            else:
-                assert ticket is not None
-                episode = done.pop(id(ticket)).episode
-                assert episode is not None
-                yield episode
+        return _answered(asked, tickets, answers, store, report)
 
     def close(self) -> None:
         """End the workers."""
@@ -83,6 +71,33 @@ class ProcessExecutor:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _answered(
+    asked: Sequence[EpisodeRequest],
+    tickets: Sequence[Ticket | None],
+    answers: "queue.Queue[tuple[Ticket, Answer]]",
+    store: EpisodeStore | None,
+    report: Report,
+) -> Iterator[Episode]:
+    """The episodes in the requests' order, each once it is there; no ticket: the store has it."""
+    done: dict[int, Answer] = {}
+    for request, ticket in zip(asked, tickets, strict=True):
+        while ticket is not None and id(ticket) not in done:
+            finished, answer = answers.get()
+            if answer.fault is not None:
+                raise answer.fault
+            done[id(finished)] = answer
+            report(_word(finished.errand.request))
+        if ticket is None:
+            report(_word(request))
+        if store is not None:
+            yield store.read(episode_name(request.info))
+        else:
+            assert ticket is not None
+            episode = done.pop(id(ticket)).episode
+            assert episode is not None
+            yield episode
 
 
 def _word(request: EpisodeRequest) -> str:

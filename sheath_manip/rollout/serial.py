@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from types import TracebackType
-from typing import Self
+from typing import ClassVar, Self
 
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.compatibility import RecordedSpec
@@ -17,6 +17,8 @@ from sheath_manip.types import Episode
 
 class SerialExecutor:
     """Runs episodes in this process."""
+
+    overlaps: ClassVar[bool] = False
 
     def __init__(self) -> None:
         self.workplace = Workplace()

@@ -12,6 +12,7 @@ from sheath_manip.tasks.gauze_cutting.scenario import Scenario
 from sheath_manip.tasks.gauze_cutting.scene import CALM
 from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, TOP_SPEED_M_S
 from sheath_manip.tasks.gauze_cutting.task import GauzeTask
+from sheath_manip.tasks.opengl import require_opengl
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -46,6 +47,7 @@ GAUZE_CUTTING = Task(
     },
     expert=GauzeExpert,
     teleop=teleop,
+    require=require_opengl,
     fallbacks={"hold": hold},
     picture=film_frame,
 )

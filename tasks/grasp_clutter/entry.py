@@ -11,6 +11,7 @@ from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
 from sheath_manip.tasks.grasp_clutter.picture import film_frame
 from sheath_manip.tasks.grasp_clutter.scene import EASY, MEDIUM
 from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
+from sheath_manip.tasks.opengl import require_opengl
 from sheath_manip.tasks.robots import fallbacks
 from sheath_manip.tasks.robots.drive import RobotDrive
 from sheath_manip.tasks.robots.jaco import JACO_WITH_JAW
@@ -56,6 +57,7 @@ GRASP_CLUTTER = Task(
     },
     expert=GraspExpert,
     teleop=teleop,
+    require=require_opengl,
     fallbacks={"hold": hold, "back-up": back_up},
     picture=film_frame,
 )

@@ -6,6 +6,7 @@ from dm_control.mujoco import engine
 from numpy.typing import NDArray
 
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
+from sheath_manip.tasks.opengl import first_picture
 from sheath_manip.tasks.platformer.stage import LENGTH_TILES
 
 VIEW_HEIGHT_M = 14.0
@@ -50,5 +51,6 @@ def from_the_side(
     model, data = physics.model.ptr, physics.data.ptr
     model.cam_pos[model.camera("overview").id, 0] = middle_x_m
     mujoco.mj_camlight(model, data)
-    camera = engine.Camera(physics, height=height_px, width=width_px, camera_id="overview")
-    return camera.render().copy()
+    with first_picture():
+        camera = engine.Camera(physics, height=height_px, width=width_px, camera_id="overview")
+        return camera.render().copy()

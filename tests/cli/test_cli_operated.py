@@ -128,6 +128,9 @@ def test_learn_with_a_person(sheath, at_the_page, tmp_path):
     assert len(learning) == 2
     acted = {step.decision.reason for s in learning for step in store.read(s.name).steps}
     assert Reason.PERSON in acted
+    # By hand, as nobody does it again; the scripted expert's are the same each time.
+    assert len({s.info.session for s in learning} - {""}) == 1
+    assert {s.info.session for s in store.infos() if s.info.purpose is not Purpose.LEARNING} == {""}
 
 
 def test_learn_with_the_scripted_expert(sheath, tmp_path):

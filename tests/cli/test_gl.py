@@ -3,14 +3,6 @@ import ctypes
 import pytest
 
 from sheath_manip.cli import gl
-from sheath_manip.exceptions import SetupError
-
-
-@pytest.fixture(autouse=True)
-def _fresh_cache():
-    gl._load_gl.cache_clear()
-    yield
-    gl._load_gl.cache_clear()
 
 
 def test_a_back_end_that_breaks_gives_its_last_line():
@@ -21,41 +13,37 @@ def test_a_back_end_that_breaks_gives_its_last_line():
 
 
 @pytest.mark.parametrize("backend", ["egl", "osmesa", "glfw"])
-def test_require_gl_names_the_library_and_its_package(monkeypatch, backend: str):
-    monkeypatch.setenv("MUJOCO_GL", backend)
+def test_the_library_that_is_missing_is_named_with_its_package(monkeypatch, backend: str):
     monkeypatch.setattr(ctypes, "CDLL", _no_library)
-    with pytest.raises(SetupError) as caught:
-        gl.require_gl()
-    message = str(caught.value)
-    assert "\n" not in message
-    assert gl.GL_LIBRARIES[backend][0][0] in message
-    assert gl.GL_CURES[backend] in message
+    problem = gl.gl_problem(backend)
+    assert problem is not None
+    assert "\n" not in problem
+    assert gl.GL_LIBRARIES[backend][0][0] in problem
+    assert gl.GL_CURES[backend] in problem
 
 
 def _no_library(name: str):
     raise OSError(f"{name}: cannot open shared object file")
 
 
-def test_require_gl_takes_any_name_of_a_library(monkeypatch):
+def test_any_name_of_a_library_will_do(monkeypatch):
     def load(name: str):
         if name not in ("libEGL.so", "libGL.so.1"):
             _no_library(name)
 
-    monkeypatch.setenv("MUJOCO_GL", "egl")
     monkeypatch.setattr(ctypes, "CDLL", load)
-    gl.require_gl()
+    assert gl.gl_problem("egl") is None
 
 
-def test_require_gl_looks_once(monkeypatch):
-    asked = []
-    monkeypatch.setenv("MUJOCO_GL", "egl")
-    monkeypatch.setattr(ctypes, "CDLL", asked.append)
-    gl.require_gl()
-    gl.require_gl()
-    assert len(asked) == 2
+def test_a_back_end_that_is_off_or_unknown_is_told():
+    assert "egl, osmesa, glfw" in str(gl.gl_problem("vulkan"))
+    assert "unset MUJOCO_GL" in str(gl.gl_problem("off"))
 
 
-def test_require_gl_refuses_an_unknown_back_end(monkeypatch):
-    monkeypatch.setenv("MUJOCO_GL", "off")
-    with pytest.raises(SetupError, match="egl, osmesa, glfw"):
-        gl.require_gl()
+@pytest.mark.parametrize(
+    ("said", "told"), [("", "ValueError"), ("No driver.\nAt all.", "No driver")]
+)
+def test_a_driver_that_fails_is_told_in_one_line_with_the_cure(said: str, told: str):
+    line = gl.gl_failure("egl", ValueError(said))
+    assert "\n" not in line
+    assert f"MUJOCO_GL=egl does not work here ({told}); cure: apt-get" in line

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.learning import run as learning_run
+from sheath_manip.learning import judged
 from sheath_manip.learning.checkpoint import Checkpoint
 from tests.learning.corridor_run import METHODS, SMALL_PLAN, learn, run, uninterrupted
 from tests.run_files import digests, measured
@@ -52,7 +52,7 @@ class Cutter:
         self.written = 0
         self._wrap(patch, WriterHere, "append_arrays", lambda args: str(args[1].header.info))
         self._wrap(patch, Checkpoint, "save", lambda args: str(args[1]))
-        self._wrap(patch, learning_run, "write_result", lambda args: str(args[0]))
+        self._wrap(patch, judged, "write_result", lambda args: str(args[0]))
 
     def _wrap(self, patch, owner, name: str, key) -> None:
         write = getattr(owner, name)

@@ -207,6 +207,17 @@ def test_several_threads_may_ask_at_once(two, tmp_path):
     assert digest(stores[0]) == digest(stores[1])
 
 
+def test_what_is_recorded_goes_before_what_only_judges(tmp_path):
+    """The next fit waits for the one, and nothing for the other."""
+    executor, store = ProcessExecutor(1), EpisodeStore.create(tmp_path)
+    # Nobody hands out, so that all stays pending.
+    executor._crowd._thread = threading.Thread()
+    for asked, into in ((requests(2), None), (requests(2), store), (requests(1), None)):
+        executor.map(asked, into)
+    pending = [(each.recorded, each.errand.request.info.index) for each in executor._crowd._pending]
+    assert pending == [(True, 0), (True, 1), (False, 0), (False, 1), (False, 0)]
+
+
 def test_bad_counts_and_listeners_are_refused():
     with pytest.raises(ParameterError, match="workers is 0"):
         ProcessExecutor(0)

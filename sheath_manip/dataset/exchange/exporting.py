@@ -15,6 +15,7 @@ from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
+from sheath_manip.types import Outcome
 
 
 @dataclass(frozen=True)
@@ -61,4 +62,7 @@ def export(
         shutil.rmtree(aside, ignore_errors=True)
     steps = sum(header.length for header in headers)
     told = remarks((header.info.variant, RecordedSpec.of(header)) for header in headers)
+    failed = sum(header.outcome is not Outcome.SUCCESS for header in headers)
+    if failed:
+        told += (f"{failed} of them did not succeed; --successes leaves such episodes out",)
     return Exported(len(headers), steps, told)

@@ -38,7 +38,15 @@ class Demonstrate:
         at = self.setting
         with SerialExecutor() as executor:
             LearningRun(
-                at.task, at.learning, at.seed, at.runs, at.store(), executor, listeners, report
+                at.task,
+                at.learning,
+                at.seed,
+                at.runs,
+                at.store(),
+                executor,
+                listeners,
+                report,
+                failures=True,
             ).start()
 
     def units(self) -> int:
