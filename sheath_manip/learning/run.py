@@ -30,6 +30,7 @@ from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
 from sheath_manip.metrics import expert_share, record_of
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.seeding import scene_seed
@@ -154,14 +155,12 @@ class LearningRun:
         return results
 
     def _tell(self, result: RoundResult) -> None:
-        for listener in self.listeners:
-            if isinstance(listener, RoundListener):
-                listener.on_round(result)
+        followers = [one for one in self.listeners if isinstance(one, RoundListener)]
+        Audience(followers).tell(lambda listener: listener.on_round(result))
 
     def _fitted(self, checkpoint: Checkpoint, states: Samples) -> Checkpoint:
         self.report(f"{checkpoint.method} fit {checkpoint.round}")
-        for listener in self.listeners:
-            listener.on_fit(states)
+        Audience(self.listeners).fit(states)
         return checkpoint
 
     def _demonstrations(self) -> list[Episode]:
