@@ -27,9 +27,10 @@ def likeliest(choices: NDArray, scores: NDArray) -> NDArray[np.float32]:
     """(n, a) the choice with the highest of (n, k) `scores`; NaN, no action, where one is NaN.
 
     NumPy takes the first NaN for the highest, so that a network which says nothing would drive.
+    The highest must be finite; -inf says of a choice that it is out of the question.
     """
     chosen = choices[scores.argmax(axis=1)]
-    silent = ~np.isfinite(scores).all(axis=1)
+    silent = ~np.isfinite(scores.max(axis=1))
     return np.where(silent[:, None], np.float32(np.nan), chosen) if silent.any() else chosen
 
 

@@ -175,5 +175,6 @@ _RESCUES = (
     Reason.POLICY_FAILED,
     Reason.GATE_FAILED,
     Reason.ACTOR_FAILED,
+    Reason.ENVIRONMENT_FAILED,
     Reason.TOO_LATE,
 )

@@ -2,11 +2,13 @@
 
 import logging
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from sheath_manip.exceptions import AttemptError, SheathError
 from sheath_manip.protocols import Environment, Keeps, Listener
-from sheath_manip.rollout.guard import BrokenError, ask
+from sheath_manip.rollout.guard import BrokenError, ask, name_of
+from sheath_manip.rollout.watch import waiting_on_purpose
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
 
@@ -19,8 +21,13 @@ class Audience:
     """Tells listeners in their order, each until it fails."""
 
     def __init__(self, listeners: Sequence[Listener]) -> None:
-        # A protocol is slow to look for at each step.
-        self._listeners = [(one, isinstance(one, Keeps)) for one in listeners]
+        # Told once: a protocol is slow to look for at each step.
+        self._listeners = [_Member.of(one) for one in listeners]
+
+    @property
+    def keeps(self) -> bool:
+        """Whether a recorder is among them."""
+        return any(each.keeps for each in self._listeners)
 
     def fit(self, states: Samples) -> None:
         """Policy and support have been fitted."""
@@ -39,7 +46,7 @@ class Audience:
         failures: list[BrokenError] = []
         for each in list(self._listeners):
             try:
-                self._tell_one(each, lambda listener: listener.on_end(episode))
+                self._tell_one(each, _recorded if each.keeps else _ended, episode)
             except BrokenError as error:
                 failures.append(error)
         for error in failures:
@@ -53,12 +60,33 @@ class Audience:
         for each in list(self._listeners):
             self._tell_one(each, call)
 
-    def _tell_one(self, each: tuple[Listener, bool], call: Callable[[Any], None]) -> None:
-        listener, keeps = each
+    def _tell_one(self, each: "_Member", call: Callable[..., None], *arguments: object) -> None:
         try:
-            ask(RECORDER if keeps else f"listener {type(listener).__name__}", call, listener)
+            ask(each.who, call, each.listener, *arguments)
         except BrokenError as error:
-            if keeps:
+            if each.keeps:
                 raise
             self._listeners.remove(each)
             logger.warning("%s; the run goes on without it", error)
+
+
+@dataclass(frozen=True, eq=False)
+class _Member:
+    listener: Listener
+    keeps: bool
+    who: str
+
+    @classmethod
+    def of(cls, listener: Listener) -> "_Member":
+        keeps = isinstance(listener, Keeps)
+        return cls(listener, keeps, RECORDER if keeps else f"listener {name_of(listener)}")
+
+
+def _ended(listener: Listener, episode: Episode) -> None:
+    listener.on_end(episode)
+
+
+def _recorded(listener: Listener, episode: Episode) -> None:
+    # To write takes as long as it takes, and is never broken off.
+    with waiting_on_purpose():
+        listener.on_end(episode)

@@ -80,7 +80,8 @@ def kept_proposal(proposal: Any, spec: ActionSpec) -> Proposal:
     """Return the proposal with the validated action in it: judged is what may be executed.
 
     Raises ActionError where it proposes no action, and where what the policy saw on its way to it
-    is not finite: then it is no network's opinion, though a choice among actions may come of it.
+    is NaN or infinite: then it is no network's opinion, though a choice among actions may come of
+    it. That a choice is out of the question is said by -inf.
     """
     if not isinstance(proposal, Proposal):
         raise ActionError(f"wanted a Proposal, got {type(proposal).__name__}")
@@ -88,7 +89,7 @@ def kept_proposal(proposal: Any, spec: ActionSpec) -> Proposal:
         if len(proposal.actions) != 1:
             raise ActionError(f"wanted a proposal for one state, got {len(proposal.actions)}")
         for name, latent in proposal.latents.items():
-            if not _is_finite(latent):
+            if not _has_finite_top(latent):
                 raise ActionError(f"the latents {str(name)!r} are not finite")
         first = proposal.actions[0]
         if np.ndim(first) <= 1:
@@ -147,10 +148,10 @@ def _commanded(commanded: Any, spec: ActionSpec) -> Commanded:
     return Commanded(action, tuple(commanded.limited))
 
 
-def _is_finite(latent: Any) -> bool:
-    """Whether an array or tensor holds finite numbers alone; what is neither cannot be told."""
-    if isinstance(latent, np.ndarray):
-        return latent.dtype.kind not in "fc" or bool(np.isfinite(latent).all())
-    # A tensor's own: the loop need not know the library.
-    finite = getattr(latent, "isfinite", None)
-    return finite is None or bool(finite().all())
+def _has_finite_top(latent: Any) -> bool:
+    """Whether the highest number in an array or tensor is finite; there is none beside a NaN."""
+    if isinstance(latent, np.ndarray) and latent.dtype.kind not in "fiu":
+        return latent.dtype.kind == "b" or not latent.size
+    # A tensor has it too: the loop need not know the library.
+    highest = getattr(latent, "max", None)
+    return highest is None or 0 in latent.shape or isfinite(highest().item())

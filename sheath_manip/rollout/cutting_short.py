@@ -10,6 +10,7 @@ from sheath_manip.rollout.actors import Actors
 from sheath_manip.rollout.guard import BrokenError, ask
 from sheath_manip.rollout.stage import ENVIRONMENT
 from sheath_manip.rollout.stepping import Stepping
+from sheath_manip.rollout.watch import present_watch
 from sheath_manip.types import Actor, Breakdown, EpisodeInfo, GateDecision, Outcome, Reason
 
 logger = logging.getLogger(__name__)
@@ -31,11 +32,14 @@ def cut_short(
     cut_by = broken or Breakdown("run", type(error).__name__)
     if not isinstance(error, UnattendedError):
         _bring_to_rest(stepping, actors, cut_by)
+    watch = present_watch()
+    if watch is not None:
+        watch.end_steps()
     try:
         ask(ENVIRONMENT, stepping.stage.hold)
     except BrokenError as fault:
         logger.warning("%s where it was to hold the robot", fault)
-    kept = "nothing of it was recorded: it had no step yet"
+    kept = "nothing of it is recorded"
     if stepping.steps:
         try:
             metrics = stepping.stage.metrics()
@@ -44,7 +48,8 @@ def cut_short(
         session = error_session(info.session)
         episode = stepping.episode(replace(info, session=session), Outcome.ERROR, metrics, cut_by)
         stepping.audience.end(episode)
-        kept = f"its {len(episode)} steps are kept with the outcome {Outcome.ERROR}"
+        if stepping.audience.keeps:
+            kept = f"{len(episode)} steps are recorded with the outcome {Outcome.ERROR}"
     if broken is None:
         return error
     where = f"step {place} of the {info.purpose} episode of scene {info.seed}"
@@ -53,7 +58,7 @@ def cut_short(
 
 def _bring_to_rest(stepping: Stepping, actors: Actors, broken: Breakdown) -> None:
     """Hold for as long as it takes to come to rest, or until that fails as well."""
-    if not actors.can_hold:
+    if not (actors.can_hold and stepping.begun):
         return
     reason = Reason.ENVIRONMENT_FAILED if broken.who == ENVIRONMENT else Reason.ACTOR_FAILED
     decision = GateDecision(Actor.HOLD, False, reason, broken=(broken,))

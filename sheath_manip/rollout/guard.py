@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from sheath_manip.exceptions import SheathError, UnattendedError
+from sheath_manip.exceptions import AttemptError, SheathError, UnattendedError
 from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.rollout.watch import HungError, present_watch
 from sheath_manip.types import Breakdown
@@ -44,13 +44,29 @@ def ask(who: str, call: Callable[..., Answer], *arguments: object) -> Answer:
         raise BrokenError(who, HUNG, f"no answer within {watch.hang_s:g} s") from None
 
 
+def built(what: str, call: Callable[..., Answer], *arguments: object) -> Answer:
+    """Return what `call` makes; raises AttemptError where it fails in a way that nobody foresaw."""
+    try:
+        return call(*arguments)
+    except (SheathError, OSError):
+        raise
+    except Exception as error:
+        name, text = described(error)
+        raise AttemptError(f"the {what} could not be made ({name}: {text})") from error
+
+
 def described(error: Exception) -> tuple[str, str]:
     """Return the class of an error and its text, both fit for one line of a terminal."""
     try:
         text = str(error)
     except Exception:
         text = "it does not say why"
-    return _printable(type(error).__name__, _LONGEST_NAME), _printable(text, _LONGEST_TEXT)
+    return name_of(error), _printable(text, _LONGEST_TEXT)
+
+
+def name_of(something: object) -> str:
+    """Return the name of its class, which may be any text, fit for one line of a terminal."""
+    return _printable(type(something).__name__, _LONGEST_NAME)
 
 
 def _printable(text: str, longest: int) -> str:

@@ -92,8 +92,10 @@ def rollout(
             audience.start(environment, info)
             while not stepping.over:
                 if watch is not None:
-                    watch.begin_step()
+                    watch.begin_step(rests=not stepping.steps)
                 _step(stepping, proposing, deciding, actors)
+            if watch is not None:
+                watch.end_steps()
             outcome, metrics = stage.outcome(), stage.metrics()
             episode = stepping.episode(info, outcome, metrics)
         except (BrokenError, ParameterError, UnattendedError) as error:

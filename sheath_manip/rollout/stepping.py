@@ -40,6 +40,11 @@ class Stepping:
         self._observation = self.stage.reset(seed)
 
     @property
+    def begun(self) -> bool:
+        """Whether there is anything to see."""
+        return self._observation is not None
+
+    @property
     def over(self) -> bool:
         """Whether the environment has ended the episode."""
         return self.terminated or self.truncated

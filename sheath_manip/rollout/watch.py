@@ -14,6 +14,8 @@ from sheath_manip.exceptions import ParameterError
 
 logger = logging.getLogger(__name__)
 
+PATIENCE = 30.0
+"""A reset builds a scene, and a network's first look may compile it."""
 LOOKS = 10
 """that the watchdog takes in the time after which a call hangs"""
 
@@ -25,7 +27,8 @@ class Deadline:
     share: float = 1.0
     """of the control period, for all of them together; what comes later is late"""
     hang_s: float = 2.0
-    """after which a call that does not return, whoever it is to, is broken off"""
+    """after which a call that does not return, whoever it is to, is broken off; `PATIENCE` times as
+    long where the robot rests: before and in an episode's first step, and after its last one"""
 
     def __post_init__(self) -> None:
         for name in ("share", "hang_s"):
@@ -61,12 +64,15 @@ class Watch:
             on_hang: brings the robot to rest, where that can be done from another thread.
             clock: seconds that never go back.
         """
-        self.hang_s = deadline.hang_s
+        self.hang_s = PATIENCE * deadline.hang_s
+        """of the present calls"""
+        self._deadline = deadline
         self._allowed_s = deadline.share / control_rate_hz
         self._on_hang = on_hang
         self._clock = clock
         self._began_s = clock()
         self._excused_s = 0.0
+        self._rests = True
         self._since_s: float | None = None
         """when the present call began, or came back from one of its own"""
         self._watched = threading.get_ident()
@@ -76,14 +82,21 @@ class Watch:
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
         self._thread.start()
 
-    def begin_step(self) -> None:
-        """Count the time from now."""
+    def begin_step(self, rests: bool) -> None:
+        """Count the time from now; nobody is late where the robot `rests` still."""
         self._began_s, self._excused_s = self._clock(), 0.0
+        self._rests = rests
+        self.hang_s = self._deadline.hang_s * (PATIENCE if rests else 1.0)
+
+    def end_steps(self) -> None:
+        """Be patient again."""
+        self.hang_s = PATIENCE * self._deadline.hang_s
 
     @property
     def late(self) -> bool:
         """Whether the step's answers took longer than they may."""
-        return self._clock() - self._began_s - self._excused_s > self._allowed_s
+        spent_s = self._clock() - self._began_s - self._excused_s
+        return not self._rests and spent_s > self._allowed_s
 
     @contextmanager
     def called(self) -> Iterator[None]:
@@ -119,7 +132,7 @@ class Watch:
 
     def _watch(self) -> None:
         told: float | None = None
-        while not self._over.wait(self.hang_s / LOOKS):
+        while not self._over.wait(self._deadline.hang_s / LOOKS):
             since_s = self._since_s
             if not self._hangs():
                 continue
