@@ -27,7 +27,7 @@ from tests.faults.parts import Faulty
 from tests.faults.ways import NO_ACTIONS, NO_DECISIONS, NO_PROPOSALS, RAISING, afterwards, answering
 
 ROUNDING = 1e-9
-AT_REST_RAD_S = 1e-3
+AT_REST_RAD_S = 0.01
 """the posture that a twist leaves open creeps on"""
 TIME_LIMIT_S = 3.0
 STEPS = round(TIME_LIMIT_S / CONTROL_TIMESTEP_S)
