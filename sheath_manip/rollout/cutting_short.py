@@ -60,6 +60,8 @@ def _bring_to_rest(stepping: Stepping, actors: Actors, broken: Breakdown) -> Non
     """Hold for as long as it takes to come to rest, or until that fails as well."""
     if not (actors.can_hold and stepping.begun):
         return
+    # The error that ends the run says so.
+    stepping.telling.hush(broken)
     reason = Reason.ENVIRONMENT_FAILED if broken.who == ENVIRONMENT else Reason.ACTOR_FAILED
     decision = GateDecision(Actor.HOLD, False, reason, broken=(broken,))
     try:

@@ -31,7 +31,7 @@ class Stepping:
         self.steps: list[Step] = []
         self.terminated = False
         self.truncated = False
-        self._telling = telling
+        self.telling = telling
         self._observation: Observation | None = None
         self._state: NDArray[np.float64] | None = None
 
@@ -67,7 +67,7 @@ class Stepping:
         assert state is not None
         assert requested is not None
         if decision.broken:
-            self._telling.tell(len(self.steps), decision)
+            self.telling.tell(len(self.steps), decision)
         transition = self.stage.step(requested)
         commanded = transition.commanded or Commanded(requested)
         step = Step(

@@ -14,6 +14,10 @@ class Telling:
         self._where = f"{info.method or info.purpose} round {info.round} episode {info.index}"
         self._told: set[Breakdown] = set()
 
+    def hush(self, breakdown: Breakdown) -> None:
+        """Say nothing of what is told of elsewhere."""
+        self._told.add(breakdown)
+
     def tell(self, step: int, decision: GateDecision) -> None:
         """Say what broke down in a step, and who acts."""
         for each in decision.broken:
