@@ -1,7 +1,6 @@
 """What crosses a boundary of the loop is checked, and copied so that nobody can change it after."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from math import isfinite
 from numbers import Real
 from typing import Any
@@ -64,15 +63,19 @@ def kept_transition(transition: Any, spec: TaskSpec) -> Transition:
     """Return a copy that cannot be written to; raises ObservationError, or ActionError."""
     if not isinstance(transition, Transition):
         raise ObservationError(f"wanted a Transition, got {type(transition).__name__}")
-    for name in ("terminated", "truncated"):
-        if not isinstance(getattr(transition, name), bool | np.bool_):
+    for name, value in (
+        ("terminated", transition.terminated),
+        ("truncated", transition.truncated),
+    ):
+        if type(value) is not bool and not isinstance(value, np.bool_):
             raise ObservationError(f"wanted true or false for {name}")
     commanded = transition.commanded
-    return replace(
-        transition,
-        observation=kept_observation(transition.observation, spec),
-        reward=_real("reward", transition.reward),
-        commanded=None if commanded is None else _commanded(commanded, spec.action),
+    return Transition(
+        kept_observation(transition.observation, spec),
+        _real("reward", transition.reward),
+        bool(transition.terminated),
+        bool(transition.truncated),
+        None if commanded is None else _commanded(commanded, spec.action),
     )
 
 
@@ -93,13 +96,13 @@ def kept_proposal(proposal: Any, spec: ActionSpec) -> Proposal:
                 raise ActionError(f"the latents {str(name)!r} are not finite")
         first = proposal.actions[0]
         if np.ndim(first) <= 1:
-            return replace(proposal, actions=spec.validated(first)[None])
+            return Proposal(spec.validated(first)[None], proposal.latents)
         actions = real_numbers(proposal.actions)
         actions[0, 0] = spec.validated(first[0])
     except (AttributeError, IndexError, TypeError, ValueError) as error:
         raise ActionError(f"what is proposed has no shape ({type(error).__name__})") from error
     actions.flags.writeable = False
-    return replace(proposal, actions=actions)
+    return Proposal(actions, proposal.latents)
 
 
 def kept_outcome(outcome: Any) -> Outcome:
@@ -129,6 +132,8 @@ def _kept(what: str, array: Any, dtype: type, shape: tuple[int, ...]) -> NDArray
 
 def _real(what: str, value: Any) -> float:
     """A number of Python's or numpy's; text that looks like one is none."""
+    if type(value) is float:
+        return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if not isinstance(value, Real | np.bool_):

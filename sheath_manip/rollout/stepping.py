@@ -82,7 +82,7 @@ class Stepping:
         )
         self.steps.append(step)
         self._observation, self._state = transition.observation, None
-        self.terminated, self.truncated = bool(transition.terminated), bool(transition.truncated)
+        self.terminated, self.truncated = transition.terminated, transition.truncated
         self.audience.step(self.stage.environment, step)
 
     def episode(
