@@ -26,6 +26,14 @@ class ActionError(SheathError):
     """An action of the wrong shape, outside its bounds, or not finite."""
 
 
+class ObservationError(SheathError):
+    """What an environment shows is not what its spec says, or no number."""
+
+
+class AttemptError(SheathError):
+    """An episode was cut short: something broke down, and nobody was left to act."""
+
+
 class CheckpointError(SheathError):
     """A checkpoint that is missing, broken, of an older schema, or of another task."""
 

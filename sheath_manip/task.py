@@ -12,6 +12,8 @@ from sheath_manip.protocols import Environment, Expert, Teleop
 
 SCRIPTED = "scripted"
 """the name of a task's own expert beside its fallbacks"""
+HOLD = "hold"
+"""the fallback controller that leaves the robot where it is"""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,10 @@ class Task:
         if name not in experts:
             raise UnknownNameError(f"expert of {self.name}", name, experts)
         return experts[name](environment)
+
+    def make_hold(self, environment: Environment) -> Expert | None:
+        """Return what leaves the robot where it is; None where the simulation cannot hold."""
+        return self.make_expert(environment, HOLD) if HOLD in self.fallbacks else None
 
     def make_for_run(self, variant: str, run_seed: int) -> Environment:
         """Return a new environment for the training run of that seed; raises UnknownNameError."""

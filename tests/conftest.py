@@ -1,7 +1,30 @@
-"""Hypothesis' profile that `make soak` asks for; `tests.cases` reads which one is in force."""
+"""Hypothesis' profile that `make soak` asks for, and a watch on listeners that a run leaves out.
 
+`tests.cases` reads which profile is in force.
+"""
+
+import logging
+from collections.abc import Iterator
+
+import pytest
 from hypothesis import settings
 
+from sheath_manip.rollout import audience
 from tests.cases import SOAK
 
 settings.register_profile(SOAK, deadline=None)
+
+
+@pytest.fixture(autouse=True)
+def dropped_listeners() -> Iterator[list[str]]:
+    """Collect the lines of listeners that failed; a test that expects any takes them off the list.
+
+    An assertion in a listener would be lost otherwise: the loop goes on without it.
+    """
+    told: list[str] = []
+    handler = logging.Handler()
+    handler.emit = lambda record: told.append(record.getMessage())
+    audience.logger.addHandler(handler)
+    yield told
+    audience.logger.removeHandler(handler)
+    assert not told

@@ -25,7 +25,7 @@ def _as_bits(episode: Episode) -> list[object]:
         decision = step.decision
         actions = [bits(action) for action in (step.proposed, step.labelled, step.executed)]
         numbers = [bits(value) for value in (decision.score, decision.threshold, step.reward)]
-        gate = [decision.actor, decision.query, decision.reason]
+        gate = [decision.actor, decision.query, decision.reason, decision.broken]
         limits = [(each.limit, bits(each.by)) for each in step.limited]
         return [*seen(step.observation), bits(step.state), *actions, *numbers, *gate, limits]
 
@@ -34,6 +34,6 @@ def _as_bits(episode: Episode) -> list[object]:
         [done(step) for step in episode.steps],
         seen(episode.final_observation),
         bits(episode.final_state),
-        (episode.terminated, episode.truncated, episode.outcome),
+        (episode.terminated, episode.truncated, episode.outcome, episode.cut_short_by),
         {name: bits(value) for name, value in episode.metrics.items()},
     ]

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from sheath_manip.cli.options import Address
+from sheath_manip.cli.options import Address, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S
@@ -14,19 +14,17 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.playback.labels import FALLBACK
 from sheath_manip.protocols import Environment, Expert, Listener
 from sheath_manip.rollout.pacing import Pacing
-from sheath_manip.task import SCRIPTED, Task
+from sheath_manip.rollout.request import Driver, TimedDriver
+from sheath_manip.rollout.watch import Deadline
+from sheath_manip.task import HOLD, SCRIPTED, Task
 from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
-    from sheath_manip.cockpit.driver import OperatedDriver
     from sheath_manip.dashboard import Dashboard
     from sheath_manip.dashboard.widget import WidgetFactory
-    from sheath_manip.rollout.request import Driver
 
 PERSON = "person"
 """Name of a person among a task's experts."""
-HOLD = "hold"
-"""the fallback controller that leaves the robot where it is"""
 
 
 @dataclass(frozen=True)
@@ -42,10 +40,20 @@ class Operating:
     """speed of the run: 1 is the task's control rate; the page's slider multiplies it"""
     spacemouse: bool = False
     """read the SpaceMouse that is plugged in here"""
+    deadline: Annotated[float | None, default_is("1 with a person, else none")] = None
+    """share of the control period after which policy and gate are late, so that the expert acts;
+    then a call that hangs is broken off, too; 0 is none"""
+
+    def timed(self, driver: Driver, paced: bool = True) -> Driver:
+        """Return `driver` with its deadline: none where a run is not `paced`, unless asked for."""
+        share = float(paced) if self.deadline is None else self.deadline
+        return driver if share == 0 else TimedDriver(driver, Deadline(share / self.speed))
 
     def require_default(self) -> None:
         """Raise ParameterError where one is given that only a person could use."""
         for each in fields(self):
+            if each.name == "deadline":
+                continue
             value = getattr(self, each.name)
             if value != each.default:
                 name = each.name.replace("_", "-")
@@ -117,17 +125,19 @@ class Crew:
     def _made(self, make: Callable[..., Environment], *seed: int) -> OperatedEnvironment:
         return OperatedEnvironment(make(*seed), self.cockpit)
 
-    def driver(self, driver: "Driver") -> "OperatedDriver":
-        """Return `driver` with the person beside it."""
+    def driver(self, driver: Driver) -> Driver:
+        """Return `driver` with the person beside it, and with a deadline."""
         from sheath_manip.cockpit.driver import OperatedDriver
 
-        return OperatedDriver(
-            driver,
-            self.cockpit,
-            fallback=self.operating.fallback,
-            hold=HOLD if self.can_hold else None,
-            wait_s=self.operating.wait_s,
-            dead_man=self.dead_man,
+        return self.operating.timed(
+            OperatedDriver(
+                driver,
+                self.cockpit,
+                fallback=self.operating.fallback,
+                hold=HOLD if self.can_hold else None,
+                wait_s=self.operating.wait_s,
+                dead_man=self.dead_man,
+            )
         )
 
     @property

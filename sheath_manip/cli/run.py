@@ -67,6 +67,7 @@ class Run:
             # A gate that judges by nothing is no gate: said before anything runs.
             checkpoint.gate()
             driver = GatedPolicy(self.checkpoint, named, self.expert)
+        driver = self.operating.timed(driver, paced=False)
         with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
             return self._run(task, session, checkpoint, driver, listeners)
 

@@ -7,12 +7,12 @@ from typing import Annotated
 
 from rich.text import Text
 
-from sheath_manip.cli.operated import HOLD, PERSON, Operating
+from sheath_manip.cli.operated import PERSON, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit.start import UntilTaken
 from sheath_manip.seeding import scene_seed
-from sheath_manip.task import SCRIPTED
+from sheath_manip.task import HOLD, SCRIPTED
 from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 
 

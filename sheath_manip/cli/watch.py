@@ -37,6 +37,9 @@ class Watch:
     """variant of the task"""
     speed: float = 1.0
     """speed of the run: 1 is the task's control rate, 2 twice as fast"""
+    deadline: float = 1.0
+    """share of the control period after which policy and gate are late, so that the expert acts;
+    then a call that hangs is broken off, too; 0 is none"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
@@ -51,8 +54,9 @@ class Watch:
         from sheath_manip.cli.episodes import opened, run_all
         from sheath_manip.learning.checkpoint import load_checkpoint
         from sheath_manip.learning.drivers import ExpertAlone
-        from sheath_manip.rollout.request import Driver, EpisodeRequest
+        from sheath_manip.rollout.request import Driver, EpisodeRequest, TimedDriver
         from sheath_manip.rollout.serial import SerialExecutor
+        from sheath_manip.rollout.watch import Deadline
 
         with opened(task, self.variant) as probe:
             spec = probe.spec
@@ -63,6 +67,8 @@ class Watch:
             with session.err.status("reading"):
                 adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec)
             driver = adjusting.driver
+        if self.deadline:
+            driver = TimedDriver(driver, Deadline(self.deadline / self.speed))
         widgets = () if adjusting is None else adjusting.widgets
         with (
             SerialExecutor() as executor,

@@ -13,6 +13,7 @@ from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
 from sheath_manip.cockpit.orders import Order
 from sheath_manip.cockpit.standing import Ending, Now, Standing
 from sheath_manip.cockpit.state import State
+from sheath_manip.rollout.watch import waiting_on_purpose
 from sheath_manip.types import Actor, Outcome
 from sheath_manip.types.operator_input import EMPTY, Binding, OperatorInput, SixAxes
 
@@ -239,7 +240,7 @@ class Cockpit:
     def rest(self) -> float:
         """Wait for news, but not for long; seconds that it took."""
         began_s = self._clock()
-        with self._news:
+        with waiting_on_purpose(), self._news:
             self._news.wait(_GLANCE_S)
         return self._clock() - began_s
 

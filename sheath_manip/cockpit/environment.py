@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.standing import Ending
 from sheath_manip.cockpit.unattended import require_attended
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Holds
 from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.types import (
     Action,
@@ -77,6 +77,11 @@ class OperatedEnvironment:
             now = cockpit.now()
         blocked = now.halted or now.abandoned
         cockpit.give_turn(Actor.HOLD if blocked else Actor.POLICY, still=blocked)
+
+    def hold(self) -> None:
+        """Let the environment bring its robot to rest by itself, where it can."""
+        if isinstance(self.environment, Holds):
+            self.environment.hold()
 
     def outcome(self) -> Outcome:
         """Return the outcome that the person said, else the task."""

@@ -10,6 +10,7 @@ from sheath_manip.cockpit.standing import Now
 from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Gate
+from sheath_manip.rollout.deciding import GuardedGate
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 WAIT_S = 10.0
@@ -54,7 +55,7 @@ class PersonGate:
         """
         if not wait_s >= 0:
             raise ParameterError(f"wait_s is {wait_s}; wanted at least 0, such as {WAIT_S:g}")
-        self.gate = gate
+        self.gate = GuardedGate(gate)
         self.cockpit = cockpit
         self.wait_s = wait_s
         self.can_hold = can_hold
@@ -85,7 +86,7 @@ class PersonGate:
             # Nobody can be asked for a label without driving.
             return replace(wanted, query=False)
         teaches = turn is Actor.OPERATOR or (turn is Actor.FALLBACK and self.fallback_teaches)
-        return GateDecision(turn, teaches, reason, wanted.score, wanted.threshold)
+        return replace(wanted, actor=turn, query=teaches, reason=reason)
 
     def _turn(self, wanted: GateDecision, now: Now) -> tuple[Actor, Reason]:
         turn, reason = self._whose(wanted, now)

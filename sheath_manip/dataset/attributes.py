@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from sheath_manip.dataset.broken_steps import BrokenSteps
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.header import CAMERA, Header, is_rate, require_sizes
 from sheath_manip.dataset.naming import episode_name, is_session
@@ -27,6 +28,8 @@ def to_attributes(header: Header) -> dict[str, Any]:
     """The header as JSON; `from_attributes` is its inverse."""
     fields = asdict(replace(header, space=None))
     info = fields.pop("info")
+    if not header.broken:
+        del fields["broken"]
     for name in ("seed", "round", "index", "run_seed"):
         # A seed often comes from numpy, whose integers JSON does not take.
         info[name] = int(info[name])
@@ -152,6 +155,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         versions={name: str(value) for name, value in attributes["versions"].items()},
         recorded_utc=str(attributes["recorded_utc"]),
         space=None if told["space"] is None else Space.from_json(told["space"]),
+        broken=tuple(BrokenSteps.from_json(value) for value in attributes.get("broken", ())),
     )
     require_sizes(header)
     return header

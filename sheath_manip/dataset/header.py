@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 
+from sheath_manip.dataset.broken_steps import BrokenSteps, broken_steps
 from sheath_manip.dataset.naming import episode_name, is_session
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
@@ -61,6 +62,8 @@ class Header:
     """ISO 8601"""
     space: Space | None = None
     """what features and actions mean; None where the recording does not say"""
+    broken: tuple[BrokenSteps, ...] = ()
+    """what broke down, and when; what cut the episode short at a step after its last one"""
 
 
 def header_of(episode: Episode, space: Space | None = None) -> Header:
@@ -108,6 +111,7 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         versions={name: _version(name) for name in _PACKAGES},
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
         space=space,
+        broken=broken_steps(episode),
     )
     try:
         require_sizes(header)

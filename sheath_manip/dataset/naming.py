@@ -1,6 +1,7 @@
 """The name of an episode's directory: deterministic, sortable, one for each episode of a run."""
 
 import re
+import uuid
 from dataclasses import replace
 from urllib.parse import quote
 
@@ -12,6 +13,7 @@ LEFTOVER_PREFIX = ".tmp-"
 _NAME = re.compile(
     rf"({'|'.join(Purpose)})(-.+)?-s-?\d+-r-?\d+-i-?\d+-seed-?\d+(-session[0-9A-Za-z]+)?"
 )
+_CUT_SHORT = "error"
 _SESSION = re.compile(r"[0-9A-Za-z]*")
 
 
@@ -47,3 +49,16 @@ def is_episode_name(name: str) -> bool:
 def is_session(text: str) -> bool:
     """Return whether `text` may tell a session, or be none: letters and digits only."""
     return _SESSION.fullmatch(text) is not None
+
+
+def error_session(session: str) -> str:
+    """Return a session for an attempt at an episode that was cut short: a new one each time.
+
+    Its name keeps the attempt apart from the episode, which is still to be had.
+    """
+    return f"{session}{_CUT_SHORT}{uuid.uuid4().hex[:12]}"
+
+
+def is_cut_short(session: str) -> bool:
+    """Tell whether `session` is one of `error_session`; those of people are hexadecimal."""
+    return _CUT_SHORT in session

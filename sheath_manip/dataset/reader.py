@@ -169,9 +169,13 @@ class EpisodeReader(ABC):
         run_seed: int | None = None,
         need_images: bool = True,
     ) -> Iterator[Episode]:
-        """The episodes that match all that is given, in the order (round, index, name)."""
+        """The episodes that match all that is given, in the order (round, index, name).
+
+        Those that were cut short are no results, and left out.
+        """
         wanted = {"purpose": purpose, "method": method, "round": round, "run_seed": run_seed}
-        infos = ((self.header(name).info, name) for name in self.names())
+        headers = ((self.header(name), name) for name in self.names())
+        infos = ((each.info, name) for each, name in headers if each.outcome is not Outcome.ERROR)
         matching = [
             (info.round, info.index, name)
             for info, name in infos

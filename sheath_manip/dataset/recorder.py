@@ -1,5 +1,7 @@
 """A listener that puts each finished episode into a store."""
 
+from typing import ClassVar
+
 from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Environment
@@ -8,7 +10,12 @@ from sheath_manip.types.samples import Samples
 
 
 class Recorder:
-    """Appends every episode of the rollouts it listens to; an episode cut short leaves nothing."""
+    """Appends every episode of the rollouts it listens to.
+
+    An episode that is discarded, or whose run is interrupted, leaves nothing.
+    """
+
+    keeps: ClassVar[bool] = True
 
     def __init__(self, store: EpisodeStore) -> None:
         self.store = store

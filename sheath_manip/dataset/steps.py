@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.broken_steps import broken_by_step
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, columns_of, header_of
 from sheath_manip.dataset.layout import Arrays, layout
@@ -99,6 +100,7 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
     scores, thresholds = arrays["score"].tolist(), arrays["threshold"].tolist()
     queries, rewards = arrays["query"].tolist(), arrays["reward"].tolist()
     times_s = arrays["time_s"].tolist()
+    broken = broken_by_step(header.broken, header.length)
     limited = arrays["limited"].tolist() if header.limits else [[]] * header.length
     steps = tuple(
         Step(
@@ -116,6 +118,7 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
                 header.reasons[reasons[t]],
                 scores[t],
                 thresholds[t],
+                broken.get(t, ()),
             ),
             executed=arrays["executed"][t],
             reward=rewards[t],
@@ -140,6 +143,7 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
         truncated=header.truncated,
         outcome=header.outcome,
         metrics=header.metrics,
+        cut_short_by=next(iter(broken.get(header.length, ())), None),
     )
 
 

@@ -32,6 +32,7 @@ from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
 from sheath_manip.metrics import expert_share, record_of
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.task import Task
 from sheath_manip.types import Episode, Outcome, Purpose, TaskSpec
@@ -165,14 +166,12 @@ class LearningRun:
         self._tell(results[-1])
 
     def _tell(self, result: RoundResult) -> None:
-        for listener in self.listeners:
-            if isinstance(listener, RoundListener):
-                listener.on_round(result)
+        followers = [one for one in self.listeners if isinstance(one, RoundListener)]
+        Audience(followers).tell(lambda listener: listener.on_round(result))
 
     def _fitted(self, checkpoint: Checkpoint, states: Samples) -> Checkpoint:
         self.report(f"{checkpoint.method} fit {checkpoint.round}")
-        for listener in self.listeners:
-            listener.on_fit(states)
+        Audience(self.listeners).fit(states)
         return checkpoint
 
     def _learned_from(self, episodes: Sequence[Episode], least: int) -> list[Episode]:

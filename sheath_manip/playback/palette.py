@@ -23,12 +23,18 @@ REASON: dict[Reason, Rgb] = {
     Reason.EMERGENCY_STOP: (190, 30, 45),
     Reason.NO_SCORE: (90, 40, 20),
     Reason.INVALID_PROPOSAL: (90, 40, 20),
+    Reason.POLICY_FAILED: (90, 40, 20),
+    Reason.GATE_FAILED: (90, 40, 20),
+    Reason.ACTOR_FAILED: (190, 30, 45),
+    Reason.ENVIRONMENT_FAILED: (190, 30, 45),
+    Reason.TOO_LATE: (90, 40, 20),
 }
 """why the policy does not act, where it is not for one of the gate's plain choices"""
 OUTCOME: dict[Outcome, Rgb] = {
     Outcome.SUCCESS: (0, 135, 100),
     Outcome.FAILURE: (190, 30, 45),
     Outcome.TIME_LIMIT: (110, 116, 124),
+    Outcome.ERROR: (90, 40, 20),
 }
 LIMITED: Rgb = (204, 121, 167)
 SUPPORT: Rgb = (240, 228, 66)

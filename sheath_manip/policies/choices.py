@@ -23,6 +23,17 @@ def nearest_choices(choices: NDArray, actions: NDArray) -> NDArray[np.int64]:
     return distances.argmin(axis=1).astype(np.int64)
 
 
+def likeliest(choices: NDArray, scores: NDArray) -> NDArray[np.float32]:
+    """(n, a) the choice with the highest of (n, k) `scores`; NaN, no action, where one is NaN.
+
+    NumPy takes the first NaN for the highest, so that a network which says nothing would drive.
+    The highest must be finite; -inf says of a choice that it is out of the question.
+    """
+    chosen = choices[scores.argmax(axis=1)]
+    silent = ~np.isfinite(scores.max(axis=1))
+    return np.where(silent[:, None], np.float32(np.nan), chosen) if silent.any() else chosen
+
+
 def zero_one_losses(choices: NDArray, predicted: NDArray, labels: NDArray) -> NDArray[np.float32]:
     """(n,) 1 where the predicted action is another choice than the label's, else 0.
 

@@ -14,7 +14,12 @@ from torch import nn
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import shifted
-from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.choices import (
+    choices_of,
+    likeliest,
+    nearest_choices,
+    zero_one_losses,
+)
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.network import ConvNetwork
 from sheath_manip.policies.reconstruction import reconstruction_loss
@@ -166,7 +171,7 @@ class ConvPolicy(Memoryless):
             scores = torch.softmax(logits, dim=1).numpy()
         latents = {f"convolution {number}": layer for number, layer in enumerate(layers)}
         return Proposal(
-            self.choices[logits.numpy().argmax(axis=1)],
+            likeliest(self.choices, logits.numpy()),
             {**latents, "penultimate": penultimate, "choice scores": scores},
         )
 

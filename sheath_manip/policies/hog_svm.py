@@ -14,7 +14,12 @@ from skimage.feature import hog
 from sklearn.svm import LinearSVC
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.choices import (
+    choices_of,
+    likeliest,
+    nearest_choices,
+    zero_one_losses,
+)
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
@@ -86,7 +91,7 @@ class HogSvm(Memoryless):
         asked for.
         """
         scores = self.gradients(observations.images) @ self._fitted().T + self.biases_
-        return Proposal(self.choices[scores.argmax(axis=1)], {"choice scores": scores})
+        return Proposal(likeliest(self.choices, scores), {"choice scores": scores})
 
     def gradients(self, images: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(n, d) histograms of oriented gradients."""

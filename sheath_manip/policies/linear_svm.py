@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.choices import (
+    choices_of,
+    likeliest,
+    nearest_choices,
+    zero_one_losses,
+)
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.protocols import Arrays
@@ -74,7 +79,7 @@ class LinearSvm(Memoryless):
         """
         weights, biases = self._fitted()
         scores = (observations.features @ weights.T + biases) @ self._signs.T
-        return Proposal(self.choices[scores.argmax(axis=1)], {"choice scores": scores})
+        return Proposal(likeliest(self.choices, scores), {"choice scores": scores})
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where any button differs from its label, else 0 (Eq. 8, righted)."""

@@ -1,7 +1,7 @@
 """The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
 
 from sheath_manip.protocols.acting import Expert, Follows, HasOwnFrame, Policy, TakesOver, Teleop
-from sheath_manip.protocols.environment import Environment
+from sheath_manip.protocols.environment import Environment, Holds
 from sheath_manip.protocols.judging import Gate, Judge
 from sheath_manip.protocols.learning import (
     Agreement,
@@ -13,7 +13,7 @@ from sheath_manip.protocols.learning import (
     SupportEstimator,
     TrainablePolicy,
 )
-from sheath_manip.protocols.listening import Listener, Report
+from sheath_manip.protocols.listening import Keeps, Listener, Report
 
 __all__ = [
     "Agreement",
@@ -24,7 +24,9 @@ __all__ = [
     "Follows",
     "Gate",
     "HasOwnFrame",
+    "Holds",
     "Judge",
+    "Keeps",
     "Listener",
     "Policy",
     "Reader",

@@ -1,7 +1,7 @@
 """What a task must offer to be run."""
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,4 +66,19 @@ class Environment(Protocol):
 
     def close(self) -> None:
         """Free what the simulator and its renderer hold."""
+        ...
+
+
+@runtime_checkable
+class Holds(Protocol):
+    """An environment that brings its robot to rest by itself, such as one with a robot behind it.
+
+    One without this is a simulation, in which nothing moves between two steps.
+    """
+
+    def hold(self) -> None:
+        """Bring the robot to rest and keep it there until the next step.
+
+        Called where a run is cut short, and from another thread where a call hangs.
+        """
         ...

@@ -1,7 +1,7 @@
 """What follows a run without the loop knowing what it is."""
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 from sheath_manip.protocols.environment import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
@@ -12,7 +12,10 @@ Report = Callable[[str], None]
 
 
 class Listener(Protocol):
-    """Follows a run without the loop knowing what it is: recorder, dashboard, progress bar."""
+    """Follows a run without the loop knowing what it is: recorder, dashboard, progress bar.
+
+    One that raises is left out for the rest of the episode, and the run goes on.
+    """
 
     def on_fit(self, states: Samples) -> None:
         """Called once policy and support have been fitted to `states`."""
@@ -29,3 +32,13 @@ class Listener(Protocol):
     def on_end(self, episode: Episode) -> None:
         """Called once the episode is complete."""
         ...
+
+
+@runtime_checkable
+class Keeps(Listener, Protocol):
+    """A listener without which the run is for nothing, such as a recorder: where it fails, it ends.
+
+    An episode that was cut short is told of by `on_end` too, its outcome being an error.
+    """
+
+    keeps: ClassVar[bool]

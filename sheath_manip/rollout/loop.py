@@ -5,28 +5,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from sheath_manip.exceptions import ActionError, ParameterError
-from sheath_manip.protocols import (
-    Environment,
-    Expert,
-    Follows,
-    Gate,
-    Listener,
-    Policy,
-    TakesOver,
-)
+from sheath_manip.exceptions import ParameterError, UnattendedError
+from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
+from sheath_manip.rollout.actors import Actors
+from sheath_manip.rollout.audience import Audience
+from sheath_manip.rollout.cutting_short import cut_short
+from sheath_manip.rollout.deciding import GuardedGate, GuardedPolicy, reason_without_proposal
+from sheath_manip.rollout.guard import BrokenError
+from sheath_manip.rollout.stage import Stage
+from sheath_manip.rollout.stepping import Stepping
+from sheath_manip.rollout.telling import Telling
+from sheath_manip.rollout.watch import Deadline, Watch, watched
 from sheath_manip.types import (
-    Action,
-    ActionSpec,
     Actor,
-    Commanded,
+    Breakdown,
     Episode,
     EpisodeInfo,
     GateDecision,
-    Observation,
-    Proposal,
     Reason,
-    Step,
 )
 
 NOBODY: Mapping[Actor, Expert] = {}
@@ -41,119 +37,103 @@ def rollout(
     policy: Policy | None = None,
     expert: Expert | None = None,
     others: Mapping[Actor, Expert] = NOBODY,
+    hold: Expert | None = None,
     listeners: Sequence[Listener] = (),
+    deadline: Deadline | None = None,
 ) -> Episode:
     """Run the episode of `info.seed` to its end.
 
     The policy looks once and proposes, the gate judges that proposal and decides who acts and
     whether a label is asked for, and the one who acts is asked at most once a step: the expert, or
-    of the `others` the operator, the fallback controller, or the one that holds the robot. A
-    proposal that is no action (NaN, out of bounds) hands the step to the expert. Who `Follows` sees
-    every step, and who `TakesOver` is told when its turn begins: this is the one place in which a
-    turn starts.
+    of the `others` the operator, the fallback controller, or the one that holds the robot. Who
+    `Follows` sees every step, and who `TakesOver` is told when its turn begins: this is the one
+    place in which a turn starts.
 
-    Raises ParameterError where the gate wants an actor or a policy that is not there, and
-    ActionError where the action of one in the policy's place is none.
+    Whatever fails, somebody acts who can: in place of a policy or gate that raises, says rubbish or
+    is late the expert, else the fallback controller, else `hold`; docs/reliability.md has the whole
+    table. What broke down is in the step. A listener that raises is left out. Where nobody is left,
+    or the environment fails, the robot is brought to rest by `hold`, and what there is of the
+    episode is told to the listeners with the outcome ERROR.
+
+    Args:
+        environment: of the task.
+        info: of the episode.
+        gate: says who acts.
+        rng: of the episode's draws.
+        policy: proposes; None where nobody does.
+        expert: labels, and acts where the gate says so.
+        others: who else the gate may name.
+        hold: leaves the robot where it is; None for a simulation that cannot.
+        listeners: follow the episode.
+        deadline: of each control step; None: nobody is late, and nothing that hangs is broken off.
+
+    Raises ParameterError where the gate wants an actor or a policy that was never there, and
+    AttemptError where the episode was cut short.
     """
-    actors = {**({} if expert is None else {Actor.EXPERT: expert}), **others}
-    each = list({id(one): one for one in actors.values()}.values())
-    observation = environment.reset(info.seed)
-    if policy is not None:
-        # Apart from the gate's draws, which stay what they are whatever the policy draws.
-        policy.reset(rng.spawn(1)[0])
-    gate.reset(rng)
-    for one in each:
-        one.reset()
-    for listener in listeners:
-        listener.on_start(environment, info)
-
-    steps: list[Step] = []
-    acted: Actor | None = None
-    terminated = truncated = False
-    spec = environment.spec.action
-    while not (terminated or truncated):
-        state = environment.state()
-        for one in (*each, policy):
-            if isinstance(one, Follows):
-                one.follow(observation)
-        proposal = _proposal(policy, observation, spec)
-        decision = gate.decide(observation, proposal)
-        if proposal is None and decision.actor is Actor.POLICY:
-            decision = GateDecision(Actor.EXPERT, True, Reason.INVALID_PROPOSAL)
-        if policy is None and decision.reason is Reason.INVALID_PROPOSAL:
-            raise ParameterError("the gate wants a policy, but the rollout was given none")
-        turn = actors.get(decision.actor)
-        if decision.actor is not acted and isinstance(turn, TakesOver):
-            turn.take_over(observation)
-        acted = decision.actor
-        labelled = None
-        if decision.actor is not Actor.POLICY:
-            labelled = _asked(actors, decision.actor, observation, spec)
-        elif decision.query:
-            labelled = _asked(actors, Actor.EXPERT, observation, spec)
-        proposed = None if proposal is None else proposal.now[0]
-        requested = proposed if decision.actor is Actor.POLICY else labelled
-        assert requested is not None
-        transition = environment.step(requested)
-        commanded = transition.commanded or Commanded(requested)
-        step = Step(
-            observation,
-            state,
-            proposed,
-            labelled,
-            decision,
-            commanded.action,
-            transition.reward,
-            commanded.limited,
-        )
-        steps.append(step)
-        observation = transition.observation
-        terminated, truncated = transition.terminated, transition.truncated
-        for listener in listeners:
-            listener.on_step(environment, step)
-
-    episode = Episode(
-        info,
-        tuple(steps),
-        observation,
-        environment.state(),
-        terminated,
-        truncated,
-        environment.outcome(),
-        environment.metrics(),
+    audience = Audience(listeners)
+    stage = Stage(environment)
+    spec = stage.spec
+    actors = Actors(
+        {**({} if expert is None else {Actor.EXPERT: expert}), **others}, hold, spec.action
     )
-    for listener in listeners:
-        listener.on_end(episode)
+    proposing = None if policy is None else GuardedPolicy(policy, spec.action)
+    # A person is asked before anybody else drives.
+    deciding = GuardedGate(gate, Actor.HOLD if actors.operated else Actor.EXPERT)
+    watch = None if deadline is None else Watch(deadline, spec.control_rate_hz, stage.hold)
+    with watched(watch):
+        stepping = Stepping(stage, audience, Telling(info))
+        try:
+            stepping.begin(info.seed)
+            if proposing is not None:
+                # Apart from the gate's draws, which stay what they are whatever the policy draws.
+                proposing.reset(rng.spawn(1)[0])
+            deciding.reset(rng)
+            actors.reset()
+            audience.start(environment, info)
+            while not stepping.over:
+                if watch is not None:
+                    watch.begin_step(rests=not stepping.steps)
+                _step(stepping, proposing, deciding, actors)
+            if watch is not None:
+                watch.end_steps()
+            outcome, metrics = stage.outcome(), stage.metrics()
+            episode = stepping.episode(info, outcome, metrics)
+        except (BrokenError, ParameterError, UnattendedError) as error:
+            raise cut_short(stepping, actors, info, error) from error
+        audience.end(episode)
     return episode
 
 
-def _proposal(policy: Policy | None, observation: Observation, spec: ActionSpec) -> Proposal | None:
-    """What the policy proposes, with the validated action in it: judged is what may be executed."""
-    if policy is None:
-        return None
-    proposal = policy.propose(observation.alone)
-    try:
-        first = proposal.actions[0]
-        chunked = np.ndim(first) > 1
-        first = first[0] if chunked else first
-        action = spec.validated(first)
-    except (ActionError, IndexError, TypeError, ValueError):
-        return None
-    if action is first and isinstance(proposal.actions, np.ndarray):
-        return proposal
-    if not chunked:
-        return replace(proposal, actions=action[None])
-    actions = np.array(proposal.actions, np.float32)
-    actions[0, 0] = action
-    return replace(proposal, actions=actions)
+def _step(
+    stepping: Stepping, policy: GuardedPolicy | None, gate: GuardedGate, actors: Actors
+) -> None:
+    observation = stepping.look()
+    actors.follow(observation)
+    proposal, broken = (None, None) if policy is None else policy.propose(observation)
+    decision = gate.decide(observation, proposal)
+    if policy is None and decision.reason is Reason.INVALID_PROPOSAL:
+        raise ParameterError("the gate wants a policy, but the rollout was given none")
+    decision = _blamed(decision, broken)
+    proposed = None if proposal is None else proposal.now[0]
+    labelled = None
+    if decision.actor is not Actor.POLICY:
+        decision, labelled = actors.act(decision, observation)
+    else:
+        actors.policy_acts()
+        if decision.query:
+            try:
+                labelled = actors.label(observation)
+            except BrokenError as error:
+                # The policy may act, and a state more or less without a label does no harm.
+                decision = replace(decision, broken=(*decision.broken, error.breakdown))
+    stepping.step(proposed, labelled, decision)
 
 
-def _asked(
-    actors: Mapping[Actor, Expert], actor: Actor, observation: Observation, spec: ActionSpec
-) -> Action:
-    if actor not in actors:
-        raise ParameterError(
-            f"the gate asks for the {actor}, but the rollout was given none (or the policy "
-            "proposed no valid action and nobody can take over)"
-        )
-    return spec.validated(actors[actor].act(observation))
+def _blamed(decision: GateDecision, broken: Breakdown | None) -> GateDecision:
+    """The decision with what broke down before it, which is the reason where the gate knew none."""
+    if broken is None:
+        return decision
+    reason = decision.reason
+    if reason is Reason.INVALID_PROPOSAL:
+        reason = reason_without_proposal(broken)
+    return replace(decision, reason=reason, broken=(broken, *decision.broken))

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Environment
+from sheath_manip.rollout.watch import waiting_on_purpose
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
 
@@ -37,7 +38,8 @@ class Pacing:
         now_s = time.monotonic()
         rate_hz = environment.spec.control_rate_hz * self.speed * self._times()
         self._due_s = max(self._due_s + 1 / rate_hz, now_s)
-        time.sleep(self._due_s - now_s)
+        with waiting_on_purpose():
+            time.sleep(self._due_s - now_s)
 
     def on_end(self, episode: Episode) -> None:
         """Do nothing: an end has nothing to wait for."""

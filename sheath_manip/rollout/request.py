@@ -1,13 +1,14 @@
 """An episode asked for as a value: the unit of work, here, in worker processes, or elsewhere."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy, Report
 from sheath_manip.rollout.discarding import until_kept
 from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.watch import Deadline
 from sheath_manip.task import Task
 from sheath_manip.types import Actor, Episode, EpisodeInfo
 
@@ -21,6 +22,8 @@ class Crew:
     expert: Expert | None = None
     others: Mapping[Actor, Expert] = field(default_factory=dict)
     """operator, fallback controller, and the one that holds the robot"""
+    deadline: Deadline | None = None
+    """of each control step"""
 
 
 class Driver(Protocol):
@@ -32,6 +35,18 @@ class Driver(Protocol):
     def crew(self, task: Task, environment: Environment) -> Crew:
         """Make everyone who may act in `environment`; what is named is read from the disk."""
         ...
+
+
+@dataclass(frozen=True)
+class TimedDriver:
+    """Another driver, whose answers have a deadline."""
+
+    driver: Driver
+    deadline: Deadline
+
+    def crew(self, task: Task, environment: Environment) -> Crew:
+        """Make the other driver's crew."""
+        return replace(self.driver.crew(task, environment), deadline=self.deadline)
 
 
 @dataclass(frozen=True)
@@ -68,6 +83,8 @@ def run_request(
         policy=crew.policy,
         expert=crew.expert,
         others=crew.others,
+        hold=request.task.make_hold(environment),
         listeners=listeners,
+        deadline=crew.deadline,
     )
     return until_kept(attempt, request.info, report)

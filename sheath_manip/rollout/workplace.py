@@ -1,13 +1,18 @@
 """Where episodes are run: one environment, kept as long as the next episode wants the same."""
 
+import logging
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
 from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.rollout.guard import BrokenError, ask, built
 from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest, run_request
+from sheath_manip.rollout.stage import ENVIRONMENT
 from sheath_manip.task import Task
 from sheath_manip.types import Episode
+
+logger = logging.getLogger(__name__)
 
 
 class Workplace:
@@ -31,7 +36,7 @@ class Workplace:
         """Run the episode."""
         environment = self.environment(request.task, request.info.variant, request.info.run_seed)
         if self._crew is None or self._driver != request.driver:
-            self._crew = request.driver.crew(request.task, environment)
+            self._crew = built("crew", request.driver.crew, request.task, environment)
             self._driver = request.driver
         return run_request(request, environment, self._crew, listeners, report)
 
@@ -41,7 +46,7 @@ class Workplace:
         place = task, variant, run_seed if variant in task.run_variants else 0
         if self._environment is None or self._place != place:
             self.close()
-            self._environment = task.make_for_run(variant, run_seed)
+            self._environment = built(ENVIRONMENT, task.make_for_run, variant, run_seed)
             self._place = place
         return self._environment
 
@@ -49,8 +54,13 @@ class Workplace:
         """Free the simulator."""
         environment, self._environment = self._environment, None
         self._crew = self._driver = None
-        if environment is not None:
-            environment.close()
+        if environment is None:
+            return
+        try:
+            ask(ENVIRONMENT, environment.close)
+        except BrokenError as error:
+            # What was run is on the disk, and the program may go on.
+            logger.warning("%s while it was closed", error)
 
     def __enter__(self) -> Self:
         return self

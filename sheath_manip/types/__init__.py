@@ -6,6 +6,7 @@ from sheath_manip.types.scene import Line, SceneGeom, ScenePose, Surface
 from sheath_manip.types.spec import Action, ActionSpec, FirstView, Mirror, TaskSpec, ToolFrame
 from sheath_manip.types.step import (
     Actor,
+    Breakdown,
     Commanded,
     GateDecision,
     Judgement,
@@ -24,6 +25,7 @@ __all__ = [
     "Action",
     "ActionSpec",
     "Actor",
+    "Breakdown",
     "Columns",
     "Commanded",
     "Episode",

@@ -11,6 +11,8 @@ from sheath_manip.types.step import Actor, Reason, Step
 
 ACTORS = tuple(Actor)
 REASONS = tuple(Reason)
+WITHOUT_PROPOSAL = (Reason.INVALID_PROPOSAL, Reason.POLICY_FAILED, Reason.TOO_LATE)
+"""why somebody acts where a policy that there is has proposed nothing to be executed"""
 IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]
 
 
@@ -116,9 +118,7 @@ def intervened(step: Step, driven: bool) -> bool:
     results. There was a policy where a checkpoint drove the episode (`driven`), where one proposed,
     and where its proposal was invalid, which is recorded as none.
     """
-    has_policy = (
-        driven or step.proposed is not None or step.decision.reason is Reason.INVALID_PROPOSAL
-    )
+    has_policy = driven or step.proposed is not None or step.decision.reason in WITHOUT_PROPOSAL
     return has_policy and step.decision.actor is not Actor.POLICY
 
 

@@ -11,15 +11,17 @@ from numpy.typing import NDArray
 
 from sheath_manip.types.columns import Columns, stacked
 from sheath_manip.types.spec import TaskSpec
-from sheath_manip.types.step import Observation, Step
+from sheath_manip.types.step import Breakdown, Observation, Step
 
 
 class Outcome(StrEnum):
-    """The outcome of an episode: how it ended, in the task's own terms."""
+    """The outcome of an episode: how it ended, in the task's own terms, or as it was cut short."""
 
     SUCCESS = "success"
     FAILURE = "failure"
     TIME_LIMIT = "time-limit"
+    ERROR = "error"
+    """something broke down and nobody was left to act: no failure of the task, nothing to learn"""
 
 
 class Purpose(StrEnum):
@@ -102,6 +104,9 @@ class Episode:
     """the time ran out (dm_env: discount 1)"""
     outcome: Outcome
     metrics: Mapping[str, float] = field(default_factory=dict)
+    cut_short_by: Breakdown | None = None
+    """what ended an episode whose outcome is an error; its final observation is the last one that
+    was seen, and its final state NaN where there was none to be had"""
 
     def __len__(self) -> int:
         return len(self.steps)

@@ -1,6 +1,6 @@
 """What the core is told about a task: its actions, its time, what it shows."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,40 @@ from sheath_manip.exceptions import ActionError
 
 Action = NDArray[np.float32]
 """(a,) what is commanded for one control step, in the units of the task's `ActionSpec`."""
+
+ROUNDING = 1e-6
+"""by which an action in float32 may leave a bound, in the action's unit"""
+
+
+def real_numbers(values: Any) -> NDArray[np.float32]:
+    """Return a new float32 array of real numbers; raises ActionError for anything else.
+
+    Text, bytes, truth values, complex numbers, masked and structured arrays, objects and tensors
+    that cannot be converted are no numbers, though numpy would make some of them.
+    """
+    if type(values) is np.ndarray and values.dtype == np.float32:
+        return values.copy()
+    try:
+        array = np.asarray(values)
+        masked = isinstance(values, np.ma.MaskedArray) or any(
+            isinstance(each, np.ma.MaskedArray) for each in _members(values)
+        )
+        if array.dtype.kind in "fiu" and not masked:
+            # What float32 cannot hold becomes infinite, which is told of as not finite.
+            with np.errstate(over="ignore"):
+                return np.array(array, np.float32)
+    except Exception as error:
+        # A tensor that wants its gradient, an `__array__` of somebody's own: they raise anything.
+        raise ActionError(
+            f"action of type {type(values).__name__} is no array of numbers "
+            f"({type(error).__name__})"
+        ) from error
+    kind = "a masked array" if masked else f"of {array.dtype.name}"
+    raise ActionError(f"action is no array of real numbers, but {kind}")
+
+
+def _members(values: Any) -> Iterable[Any]:
+    return values if isinstance(values, list | tuple) else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,28 +70,34 @@ class ActionSpec:
         return np.where(apart > 0, apart, np.ones_like(apart))
 
     def validated(self, action: Any) -> Action:
-        """Return `action` as (a,) float32, or raise ActionError naming what is wrong with it."""
-        try:
-            array = np.asarray(action, dtype=np.float32)
-        except (TypeError, ValueError) as error:
-            raise ActionError(f"action {action!r} is no array of numbers") from error
+        """Return `action` as (a,) float32, or raise ActionError naming what is wrong with it.
+
+        The array is new, within the bounds to the bit, and cannot be written to. What leaves a
+        bound by no more than rounding does, `ROUNDING`, is put onto it.
+        """
+        array = real_numbers(action)
         if array.shape != self.minimum.shape:
             raise ActionError(
                 f"action has shape {array.shape}; wanted {self.minimum.shape} "
                 f"({', '.join(self.names)})"
             )
         # Not a number is not inside either.
-        inside = (array >= self.minimum - 1e-6) & (array <= self.maximum + 1e-6)
+        if not ((array >= self.minimum) & (array <= self.maximum)).all():
+            array = self._rounded(array)
+        array.flags.writeable = False
+        return array
+
+    def _rounded(self, array: Action) -> Action:
+        """Put onto its bounds what leaves them by rounding; raises ActionError for the rest."""
+        if not np.isfinite(array).all():
+            raise ActionError(f"action is not finite: {array.tolist()} ({', '.join(self.names)})")
+        inside = (array >= self.minimum - ROUNDING) & (array <= self.maximum + ROUNDING)
         if not inside.all():
-            if not np.isfinite(array).all():
-                raise ActionError(
-                    f"action is not finite: {array.tolist()} ({', '.join(self.names)})"
-                )
             raise ActionError(
                 f"action {array.tolist()} leaves its bounds "
                 f"{self.minimum.tolist()} .. {self.maximum.tolist()} ({', '.join(self.names)})"
             )
-        return array
+        return np.clip(array, self.minimum, self.maximum)
 
 
 @dataclass(frozen=True)

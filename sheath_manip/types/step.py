@@ -56,6 +56,16 @@ class Reason(StrEnum):
     """the wait for a person is over: the fallback controller acts"""
     EMERGENCY_STOP = "emergency stop"
     """somebody stopped the robot, and nobody has reset it yet"""
+    POLICY_FAILED = "policy failed"
+    """the policy broke down in place of a proposal: as an invalid one"""
+    GATE_FAILED = "gate failed"
+    """the gate broke down in place of a decision: the expert acts"""
+    ACTOR_FAILED = "actor failed"
+    """whose turn it was broke down: the fallback controller acts, or the robot holds"""
+    ENVIRONMENT_FAILED = "environment failed"
+    """the environment broke down: the robot holds, and the run ends"""
+    TOO_LATE = "too late"
+    """the policy's proposal, or the gate's leave, came after the deadline: the expert acts"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +128,16 @@ class Judgement:
     """why the expert takes over where the score is below the threshold"""
 
 
+@dataclass(frozen=True, order=True)
+class Breakdown:
+    """A breakdown: a call that failed, said rubbish, or took too long."""
+
+    who: str
+    """`policy`, `gate`, `environment`, or the actor that was asked"""
+    what: str
+    """the class of the error, such as `ValueError`; or `late` or `hung`"""
+
+
 @dataclass(frozen=True)
 class GateDecision:
     """Who acts, and whether the expert is asked for a label: two separate outputs of a gate."""
@@ -130,6 +150,8 @@ class GateDecision:
     """support score, positive inside; NaN where the gate computes none"""
     threshold: float = float("nan")
     """the score below which the expert takes over; NaN where the gate has none"""
+    broken: tuple[Breakdown, ...] = ()
+    """what broke down in this step, in that order"""
 
 
 @dataclass(frozen=True, order=True)

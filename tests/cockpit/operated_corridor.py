@@ -72,7 +72,13 @@ def outside_between(first: int, last: int) -> Gate:
 
 
 def run(
-    script: Script, gate: Gate, steps: int = 12, listeners=(), fallback=None, **options
+    script: Script,
+    gate: Gate,
+    steps: int = 12,
+    listeners=(),
+    fallback=None,
+    held_by_loop: bool = False,
+    **options,
 ) -> tuple[Episode, Page]:
     clock = Clock()
     cockpit = Cockpit(teleop(Corridor()).guide, clock)
@@ -92,6 +98,7 @@ def run(
             rng=rng,
             policy=STRAIGHT,
             others=others,
+            hold=hold(environment) if held_by_loop else None,
             listeners=(*listeners, page),
         ),
         INFO,

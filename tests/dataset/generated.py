@@ -9,6 +9,7 @@ from hypothesis.extra.numpy import arrays
 
 from sheath_manip.types import (
     Actor,
+    Breakdown,
     Episode,
     EpisodeInfo,
     GateDecision,
@@ -29,6 +30,7 @@ metric = st.floats(allow_nan=False) | st.just(float("nan"))
 limited = st.dictionaries(any_text, st.floats(allow_nan=False), max_size=3).map(
     lambda by: tuple(Limited(*pair) for pair in sorted(by.items()))
 )
+breakdowns = st.builds(Breakdown, st.sampled_from(["policy", "gate"]), any_text)
 camera_names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,8}", fullmatch=True)
 infos = st.builds(
     EpisodeInfo,
@@ -69,6 +71,7 @@ def episodes(draw: st.DrawFn) -> Episode:
         st.sampled_from(Reason),
         any_float,
         any_float,
+        st.lists(breakdowns, max_size=2).map(tuple),
     )
     step = st.builds(
         Step,
@@ -90,6 +93,7 @@ def episodes(draw: st.DrawFn) -> Episode:
         draw(st.booleans()),
         draw(st.sampled_from(Outcome)),
         draw(st.dictionaries(any_text, metric, max_size=3)),
+        draw(st.none() | breakdowns),
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from sheath_manip.protocols import Expert, Gate, Listener, Policy
 from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.watch import Deadline
 from sheath_manip.types import (
     Action,
     Actor,
@@ -65,6 +66,7 @@ def run(
     environment: Corridor | None = None,
     others: Mapping[Actor, Expert] | None = None,
     seed: int = SEED,
+    deadline: Deadline | None = None,
 ) -> Episode:
     return rollout(
         environment or Corridor(),
@@ -75,6 +77,7 @@ def run(
         expert=expert,
         others=others or {},
         listeners=listeners,
+        deadline=deadline,
     )
 
 

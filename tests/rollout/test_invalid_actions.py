@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sheath_manip.exceptions import ActionError, ParameterError
+from sheath_manip.exceptions import AttemptError, ParameterError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, Mixture, SupportGate
 from sheath_manip.types import (
     Actor,
@@ -70,5 +70,5 @@ def test_a_gate_that_wants_an_expert_says_so():
 
 @pytest.mark.parametrize("answer", [[np.nan], [9.0], [0.0, 0.0]])
 def test_an_experts_action_that_is_none_is_an_error(answer):
-    with pytest.raises(ActionError, match="sidestep_m"):
+    with pytest.raises(AttemptError, match=r"expert broke down \(ActionError.*sidestep_m"):
         run(AlwaysExpert(), None, Scripted(lambda _: answer))

@@ -78,6 +78,7 @@ def _counts(
         f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">'
         f"<b>{outcomes.get(outcome, 0)}</b> {escape(outcome.value)}</span>"
         for outcome in Outcome
+        if outcome is not Outcome.ERROR or outcomes.get(outcome)
     )
     return (
         f'<div style="{TEXT}"><table style="width:100%;text-align:right;line-height:1.25">'
