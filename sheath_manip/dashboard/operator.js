@@ -24,7 +24,7 @@ function (settings) {
   function connect() {
     if (closed) return;
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    socket = new WebSocket(`${scheme}://${location.host}${settings.path}`);
+    socket = new WebSocket(`${scheme}://${location.host}${location.pathname.replace(/\/$/, "")}${settings.path}`);
     socket.onopen = () => { send({ station: settings.station }); lastSent = ""; look(); };
     socket.onmessage = (event) => { state = JSON.parse(event.data); show(); };
     socket.onclose = () => { state = {}; show(); if (!closed) setTimeout(connect, retryMs); };

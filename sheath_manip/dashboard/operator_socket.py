@@ -24,6 +24,7 @@ from sheath_manip.dashboard.message_age import Budget, MessageAge
 from sheath_manip.dashboard.operator_message import OperatorMessage, decoded
 
 PATH = "/keys"
+"""below the page's own"""
 SHOWN_EVERY_S = 0.1
 _YIELD_EVERY = 16
 """messages that have come at once, before the other connections of the page have their turn"""

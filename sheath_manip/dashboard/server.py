@@ -6,6 +6,7 @@ import socket
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
+from http import HTTPStatus
 from typing import Any, NoReturn
 
 import rich
@@ -16,7 +17,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.dashboard import operator_socket
+from sheath_manip.dashboard import headers, operator_socket, server_log
 from sheath_manip.dashboard.access import AccessControl
 from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
 from sheath_manip.dashboard.operator_socket import OperatorSocket
@@ -25,6 +26,8 @@ from sheath_manip.exceptions import ParameterError, SetupError
 MIN_TOKEN_LENGTH = 8
 LONGEST_MESSAGE = 2**16
 """bytes that a browser may send at once; viser's own limit is 50 MB"""
+SUBPROTOCOL = f"viser-v{viser.__version__}"
+"""of viser's client; to any other viser would answer on the terminal, in that one's own words"""
 
 _serve_is_wrapped = threading.Lock()
 
@@ -63,6 +66,9 @@ class GuardedServer:
             listener.close()
             raise
         inspection.bind(server)
+        loop = server._websock_server._background_event_loop
+        assert loop is not None
+        server_log.quieten(loop)
         _give_script(server, operators)
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
@@ -112,17 +118,36 @@ def _wrapped_serve(
         used = True
 
         async def route(connection: ServerConnection) -> None:
-            request = connection.request
-            if request is not None and request.path == operator_socket.PATH:
+            assert connection.request is not None
+            if access.inside(connection.request) == operator_socket.PATH:
                 await operators.serve(connection)
-            else:
+            elif connection.subprotocol == SUBPROTOCOL:
                 await handler(InspectedConnection(connection, inspection))
 
         def check_first(connection: Any, request: Request) -> Response | None:
-            return access.answer(request) or process_request(connection, request)
+            refused = access.answer(request)
+            if refused is not None:
+                return refused
+            below = Request(access.inside(request), request.headers)
+            if "Upgrade" in request.headers and below.path not in ("/", operator_socket.PATH):
+                return connection.respond(HTTPStatus.NOT_FOUND, "Here is no websocket.")
+            return process_request(connection, below)
+
+        def harden_last(_: Any, request: Request, response: Response) -> None:
+            host = request.headers.get_all("Host")[:1]
+            named = host[0] if host and access.admits(host[0].lower()) else None
+            headers.harden(response.headers, named)
 
         options["max_size"] = LONGEST_MESSAGE
-        return serve(route, sock=listener, process_request=check_first, **options)
+        return serve(
+            route,
+            sock=listener,
+            process_request=check_first,
+            process_response=harden_last,
+            server_header=None,
+            logger=server_log.kinds_only(),
+            **options,
+        )
 
     with _serve_is_wrapped:
         websockets.asyncio.server.serve = guarded_serve  # type: ignore[misc, assignment]
