@@ -166,7 +166,7 @@ def spying_on(port: int, at: int) -> Iterator[Spy]:
     spy = Spy(f"http://127.0.0.1:{at}/")
 
     class Answers(BaseHTTPRequestHandler):
-        def log_message(self, *_) -> None:
+        def log_message(self, format: str, *args: object) -> None:
             """Say nothing on the terminal."""
 
         def do_GET(self) -> None:
