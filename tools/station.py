@@ -10,6 +10,8 @@ import json
 import threading
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from http.cookies import SimpleCookie
 from types import TracebackType
 from typing import Any, Self
 from urllib.parse import urlsplit
@@ -23,23 +25,39 @@ BEAT_S = 0.1
 TIMEOUT_S = 60.0
 
 
-def cookie_of(address: str) -> str:
-    """What a browser gets that opens the printed `address`."""
+@dataclass(frozen=True)
+class Admission:
+    """What a browser gets that opens a page's printed address."""
+
+    cookie: str
+    """as a Cookie header says it"""
+    path: str
+    """below which the page lies"""
+
+
+def admission(address: str) -> Admission:
+    """Open the printed `address` as a browser does; empty where that lets nobody in."""
     where = urlsplit(address)
     connection = http.client.HTTPConnection(str(where.hostname), where.port, timeout=TIMEOUT_S)
     try:
         connection.request("GET", f"{where.path}?{where.query}")
-        return (connection.getresponse().getheader("Set-Cookie") or "").partition(";")[0]
+        cookies = SimpleCookie(connection.getresponse().getheader("Set-Cookie") or "")
     finally:
         connection.close()
+    for each in cookies.values():
+        return Admission(f"{each.key}={each.value}", each["path"])
+    return Admission("", "")
 
 
 def open_socket(address: str, path: str = PATH, **options: Any) -> ClientConnection:
-    """A websocket with the cookie; `options` are those of `websockets.sync.client.connect`."""
-    where = urlsplit(address)
+    """A websocket at `path` below the page's, with the cookie.
+
+    `options` are those of `websockets.sync.client.connect`.
+    """
+    admitted = admission(address)
     return connect(
-        f"ws://{where.netloc}{path}",
-        additional_headers={"Cookie": cookie_of(address)},
+        f"ws://{urlsplit(address).netloc}{admitted.path}{path}",
+        additional_headers={"Cookie": admitted.cookie},
         proxy=None,
         open_timeout=TIMEOUT_S,
         **options,

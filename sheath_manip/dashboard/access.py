@@ -1,8 +1,8 @@
 """Access control around viser's web server, which on its own obeys everybody who reaches it."""
 
-import hashlib
 import hmac
 import ipaddress
+import secrets
 import socket
 from dataclasses import dataclass, field
 from http import HTTPStatus
@@ -12,26 +12,26 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 WILDCARDS = ("", "0.0.0.0", "::")
+COOKIE = "sheath"
 
 
 @dataclass(frozen=True)
 class AccessControl:
-    """Decides about each request, page or websocket, before viser sees it."""
+    """Decides about each request, page or websocket, before viser sees it.
+
+    The page lies below a path that nobody can guess, and so does its cookie: a browser sends the
+    cookies of a host to each of its ports, but only to the paths that they were given. Both are
+    drawn anew for each server, whatever its token, and die with it.
+    """
 
     host: str
     """the address that the server listens on"""
     port: int
     token: str = field(repr=False)
-
-    @property
-    def cookie_name(self) -> str:
-        """Carries the port, because a browser shares its cookies between all ports of a host."""
-        return f"sheath-{self.port}"
-
-    @property
-    def cookie_value(self) -> str:
-        """Derived from the token, so that any token fits in and none can be read from it."""
-        return hashlib.sha256(f"{self.cookie_name}:{self.token}".encode()).hexdigest()
+    path: str = field(default_factory=lambda: f"/{secrets.token_urlsafe(16)}", repr=False)
+    """below which everything lies; without a slash at its end"""
+    cookie: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
+    """the value of the browser's cookie"""
 
     @property
     def address(self) -> str:
@@ -42,7 +42,7 @@ class AccessControl:
     def answer(self, request: Request) -> Response | None:
         """Return the response that ends `request` here, or None where it may go on to viser."""
         hosts = request.headers.get_all("Host")
-        if len(hosts) != 1 or not self._admits(hosts[0].lower()):
+        if len(hosts) != 1 or not self.admits(hosts[0].lower()):
             return _response(
                 HTTPStatus.FORBIDDEN,
                 f"This dashboard answers only to {', '.join(sorted(self._names))} on port "
@@ -51,25 +51,33 @@ class AccessControl:
         own_origins = (f"http://{hosts[0]}", f"https://{hosts[0]}")
         if any(origin not in own_origins for origin in request.headers.get_all("Origin")):
             return _response(HTTPStatus.FORBIDDEN, "Pages of other sites may not use this one.")
-        query = request.path.partition("?")[2]
-        is_websocket = "Upgrade" in request.headers
-        if query and not is_websocket:
-            # Never passed on: viser's page would take even another server to talk to from it.
-            return self._welcome() if self._is_token(query) else _unauthorized()
-        return None if self._has_cookie(request.headers) else _unauthorized()
+        path, _, query = request.path.partition("?")
+        if path == "/" and self._is_token(query):
+            return self._welcome()
+        # A query is never passed on: viser's page would take even another server from it.
+        passed = bool(self.inside(request)) and self._has_cookie(request.headers)
+        return None if passed else _unauthorized()
+
+    def inside(self, request: Request) -> str:
+        """Return the path below the one that nobody can guess; empty for any other."""
+        wanted = len(self.path)
+        given, rest = request.path[:wanted], request.path[wanted:] or "/"
+        return rest if _equal(given, self.path) and rest[0] == "/" and "?" not in rest else ""
 
     @property
     def _names(self) -> set[str]:
         names = {"127.0.0.1", "localhost"}
         return names | ({socket.gethostname()} if self.host in WILDCARDS else {self.host})
 
-    def _admits(self, host: str) -> bool:
+    def admits(self, host: str) -> bool:
+        """Return whether the page may be called so, as a Host header says it in small letters."""
         name, _, port = host.rpartition(":") if not host.endswith("]") else (host, "", "80")
         if not name:
             name, port = host, "80"
         if port != str(self.port):
             return False
-        name = name.strip("[]")
+        if name.startswith("[") and name.endswith("]"):
+            name = name[1:-1]
         # DNS rebinding needs a name that its attacker owns; a bare address is never one.
         return name in {known.lower() for known in self._names} or (
             self.host in WILDCARDS and _is_ip_address(name)
@@ -85,16 +93,15 @@ class AccessControl:
             for header in headers.get_all("Cookie")
             for pair in header.split(";")
         )
-        return any(
-            name == self.cookie_name and _equal(value, self.cookie_value)
-            for name, _, value in pairs
-        )
+        return any(name == COOKIE and _equal(value, self.cookie) for name, _, value in pairs)
 
     def _welcome(self) -> Response:
         # A page of its own and not a redirect: a browser withholds a SameSite=Strict cookie on a
         # redirect that follows a link on another site. It also takes the token out of the history.
-        page = '<!doctype html><title>sheath</title><script>location.replace("/")</script>'
-        cookie = f"{self.cookie_name}={self.cookie_value}; Path=/; HttpOnly; SameSite=Strict"
+        page = (
+            f'<!doctype html><title>sheath</title><script>location.replace("{self.path}/")</script>'
+        )
+        cookie = f"{COOKIE}={self.cookie}; Path={self.path}; HttpOnly; SameSite=Strict"
         return _response(HTTPStatus.OK, page, **{"Set-Cookie": cookie})
 
 
@@ -110,8 +117,6 @@ def _response(status: HTTPStatus, text: str, **headers: str) -> Response:
     fields = {
         "Content-Type": f"{kind}; charset=utf-8",
         "Content-Length": str(len(body)),
-        "Cache-Control": "no-store",
-        "Referrer-Policy": "no-referrer",
         "Connection": "close",
     }
     return Response(status.value, status.phrase, Headers(fields | headers), body)
@@ -127,7 +132,8 @@ def _equal(given: str, wanted: str) -> bool:
 
 def _is_ip_address(name: str) -> bool:
     try:
-        ipaddress.ip_address(name)
+        address = ipaddress.ip_address(name)
     except ValueError:
         return False
-    return True
+    # A zone names an interface of whoever asks: no browser says it, and it is free text.
+    return getattr(address, "scope_id", None) is None

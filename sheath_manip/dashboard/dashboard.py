@@ -54,7 +54,9 @@ class Dashboard:
         """
         self.cockpit = cockpit or Cockpit()
         label = f"sheath · {spec.name}"
-        self._server = GuardedServer.open(host, port, token, label, self.cockpit)
+        self._server = GuardedServer.open(
+            host, port, token, label, self.cockpit, lambda: self._drawer.true_s
+        )
         # Else the loop waits up to 5 ms for its turn where a drawing is under way.
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))
         self._closed = threading.Event()

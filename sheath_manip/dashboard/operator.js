@@ -4,7 +4,7 @@ function (settings) {
 
   const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000;
   const codes = new Set(settings.codes), held = new Set(), caught = new Set();
-  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null;
+  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null, sawMark = 0;
 
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
@@ -24,7 +24,7 @@ function (settings) {
   function connect() {
     if (closed) return;
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    socket = new WebSocket(`${scheme}://${location.host}${settings.path}`);
+    socket = new WebSocket(`${scheme}://${location.host}${location.pathname.replace(/\/$/, "")}${settings.path}`);
     socket.onopen = () => { send({ station: settings.station }); lastSent = ""; look(); };
     socket.onmessage = (event) => { state = JSON.parse(event.data); show(); };
     socket.onclose = () => { state = {}; show(); if (!closed) setTimeout(connect, retryMs); };
@@ -51,7 +51,7 @@ function (settings) {
     if (said === lastSent && performance.now() - sentMs < sendEveryMs) return;
     lastSent = said;
     sentMs = performance.now();
-    send({ ...now, clock: sentMs });
+    send({ ...now, clock: sentMs, saw: sawMark });
   }
 
   const typing = (target) =>
@@ -128,6 +128,8 @@ function (settings) {
 
   window.sheathOperator = {
     order,
+    // Told by a mark in viser's stream, once what was sent before it is shown.
+    saw(mark) { sawMark = mark; },
     get state() { return state; },
     get beeps() { return beeps; },
     close() {

@@ -29,6 +29,8 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     pad: _Pad | None = None
     clock: Annotated[float, Meta(ge=-1e15, le=1e15)] | None = None
     """when it was sent, in ms by the station's own clock, whatever that counts from"""
+    saw: Annotated[int, Meta(ge=0)] | None = None
+    """the newest mark of the picture that the page has shown"""
     order: Order | None = None
     value: float = 1.0
     seen: Annotated[int, Meta(ge=0)] | None = None

@@ -22,9 +22,15 @@ from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.orders import OF_ANY_RUN
 from sheath_manip.dashboard.message_age import Budget, MessageAge
 from sheath_manip.dashboard.operator_message import OperatorMessage, decoded
+from sheath_manip.dashboard.picture_age import OLDEST_S, PictureAge
 
 PATH = "/keys"
+"""below the page's own"""
 SHOWN_EVERY_S = 0.1
+SAID_AGAIN_S = 0.5
+"""without news, so that the page knows the connection from a dead one"""
+YOUNG_S = 0.5
+"""of a picture whose age need not be said"""
 _YIELD_EVERY = 16
 """messages that have come at once, before the other connections of the page have their turn"""
 SCRIPT = Path(__file__).with_name("operator.js")
@@ -50,6 +56,7 @@ class OperatorSocket:
         self.cockpit = cockpit
         self._codes = {code for binding in cockpit.guide for code in binding.codes}
         self._pages: dict[str, str] = {}
+        self._pictures: dict[str, PictureAge] = {}
         self._numbers = count()
 
     def script(self, page: int) -> str:
@@ -63,9 +70,15 @@ class OperatorSocket:
         settings = {"station": key, "path": PATH, "codes": sorted(self._codes), "hotkeys": hotkeys}
         return f"({SCRIPT.read_text()})({json.dumps(settings)})"
 
+    def follow_picture(self, page: int) -> PictureAge:
+        """Have that page drive only by a picture that is not too old."""
+        age = self._pictures[station_of(page)] = PictureAge()
+        return age
+
     def forget(self, page: int) -> None:
         """A page is gone, and with it its right to drive."""
         station = station_of(page)
+        self._pictures.pop(station, None)
         self._pages = {key: each for key, each in self._pages.items() if each != station}
         self.cockpit.leave(station)
 
@@ -105,7 +118,15 @@ class OperatorSocket:
 
     def _take(self, station: str, said: OperatorMessage, age_s: float) -> None:
         operator_input = said.input(self._codes)
-        if operator_input is not None:
+        picture = self._pictures.get(station)
+        if picture is not None and said.saw is not None:
+            picture.saw(said.saw)
+        if operator_input is None:
+            return
+        if picture is not None and picture.age_s > OLDEST_S:
+            # Who sees the past does not drive by it; the robot holds.
+            self.cockpit.silence(station)
+        else:
             self.cockpit.submit_input(station, operator_input, age_s)
 
     def _follow(self, station: str, said: OperatorMessage) -> None:
@@ -118,7 +139,7 @@ class OperatorSocket:
         return Order.RESUME if resumes else order
 
     async def _show(self, connection: ServerConnection, station_now) -> None:
-        shown = ""
+        shown, said_s = "", 0.0
         with suppress(ConnectionClosed):
             while True:
                 state = asdict(self.cockpit.state)
@@ -126,11 +147,18 @@ class OperatorSocket:
                 state["mine"] = operator is not None and operator == station_now()
                 state["others"] = operator is not None and not state["mine"]
                 state["left_s"] = round(state["left_s"]) if math.isfinite(state["left_s"]) else None
+                picture = self._pictures.get(station_now())
+                state["picture_s"] = 0.0 if picture is None else _worth_saying(picture.age_s)
+                state["too_old"] = picture is not None and picture.age_s > OLDEST_S
                 news = json.dumps(state)
-                if news != shown:
+                if news != shown or time.monotonic() - said_s > SAID_AGAIN_S:
                     await connection.send(news)
-                    shown = news
+                    shown, said_s = news, time.monotonic()
                 await asyncio.sleep(SHOWN_EVERY_S)
+
+
+def _worth_saying(age_s: float) -> float:
+    return round(age_s, 1) if age_s > YOUNG_S else 0.0
 
 
 def station_of(page: int) -> str:

@@ -1,11 +1,14 @@
 """viser's server behind the access control: guarded from its first request on, and never shared."""
 
+import asyncio
 import contextlib
 import secrets
 import socket
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from http import HTTPStatus
 from typing import Any, NoReturn
 
 import rich
@@ -16,15 +19,18 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.dashboard import operator_socket
+from sheath_manip.dashboard import headers, operator_socket, server_log
 from sheath_manip.dashboard.access import AccessControl
 from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
 from sheath_manip.dashboard.operator_socket import OperatorSocket
+from sheath_manip.dashboard.paced_connection import PacedConnection
 from sheath_manip.exceptions import ParameterError, SetupError
 
 MIN_TOKEN_LENGTH = 8
 LONGEST_MESSAGE = 2**16
 """bytes that a browser may send at once; viser's own limit is 50 MB"""
+SUBPROTOCOL = f"viser-v{viser.__version__}"
+"""of viser's client; to any other viser would answer on the terminal, in that one's own words"""
 
 _serve_is_wrapped = threading.Lock()
 
@@ -38,11 +44,18 @@ class GuardedServer:
 
     @classmethod
     def open(
-        cls, host: str, port: int, token: str | None, label: str, cockpit: Cockpit
+        cls,
+        host: str,
+        port: int,
+        token: str | None,
+        label: str,
+        cockpit: Cockpit,
+        true_s: Callable[[], float] = time.monotonic,
     ) -> "GuardedServer":
         """Listen on `host` and `port` (0: any free one) and build the server on top.
 
-        Each page gets the script by which a person operates `cockpit`.
+        Each page gets the script by which a person operates `cockpit`. `true_s` is up to when what
+        was drawn is true (`time.monotonic`): who drives by what is too old is not heard.
 
         Raises:
             SetupError: the port is taken, or the host is not one of this machine.
@@ -63,7 +76,10 @@ class GuardedServer:
             listener.close()
             raise
         inspection.bind(server)
-        _give_script(server, operators)
+        loop = server._websock_server._background_event_loop
+        assert loop is not None
+        server_log.quieten(loop)
+        _give_script(server, operators, true_s)
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
             server._websock_server.unregister_handler(message)
@@ -112,17 +128,41 @@ def _wrapped_serve(
         used = True
 
         async def route(connection: ServerConnection) -> None:
-            request = connection.request
-            if request is not None and request.path == operator_socket.PATH:
+            assert connection.request is not None
+            if access.inside(connection.request) == operator_socket.PATH:
                 await operators.serve(connection)
-            else:
-                await handler(InspectedConnection(connection, inspection))
+            elif connection.subprotocol == SUBPROTOCOL:
+                paced = PacedConnection(InspectedConnection(connection, inspection))
+                marking = asyncio.create_task(paced.keep_marking())
+                try:
+                    await handler(paced)
+                finally:
+                    marking.cancel()
 
         def check_first(connection: Any, request: Request) -> Response | None:
-            return access.answer(request) or process_request(connection, request)
+            refused = access.answer(request)
+            if refused is not None:
+                return refused
+            below = Request(access.inside(request), request.headers)
+            if "Upgrade" in request.headers and below.path not in ("/", operator_socket.PATH):
+                return connection.respond(HTTPStatus.NOT_FOUND, "Here is no websocket.")
+            return process_request(connection, below)
+
+        def harden_last(_: Any, request: Request, response: Response) -> None:
+            host = request.headers.get_all("Host")[:1]
+            named = host[0] if host and access.admits(host[0].lower()) else None
+            headers.harden(response.headers, named)
 
         options["max_size"] = LONGEST_MESSAGE
-        return serve(route, sock=listener, process_request=check_first, **options)
+        return serve(
+            route,
+            sock=listener,
+            process_request=check_first,
+            process_response=harden_last,
+            server_header=None,
+            logger=server_log.kinds_only(),
+            **options,
+        )
 
     with _serve_is_wrapped:
         websockets.asyncio.server.serve = guarded_serve  # type: ignore[misc, assignment]
@@ -153,11 +193,28 @@ def _refuse_share(verbose: bool = True) -> NoReturn:  # noqa: ARG001 - viser's s
     )
 
 
-def _give_script(server: viser.ViserServer, operators: OperatorSocket) -> None:
+def _give_script(
+    server: viser.ViserServer, operators: OperatorSocket, true_s: Callable[[], float]
+) -> None:
+    sockets, buffer = server._websock_server, server._websock_server.get_message_buffer()
+
     @server.on_client_connect
     async def _(client: viser.ClientHandle) -> None:
-        script = RunJavascriptMessage(operators.script(client.client_id))
-        client._websock_connection.queue_message(script)
+        page = client.client_id
+
+        def run(source: str) -> None:
+            client._websock_connection.queue_message(RunJavascriptMessage(source))
+
+        def taken_s() -> float | None:
+            waiting = buffer.message_counter - 1 > buffer.generator_cursors.get(page, -1)
+            return None if waiting else true_s()
+
+        run(operators.script(page))
+        connection: Any = sockets._live_connections.get(page)
+        if connection is not None:
+            mark = "window.sheathOperator?.saw({})".format
+            age = operators.follow_picture(page)
+            connection.carry_marks(age, taken_s, lambda number: run(mark(number)))
 
     @server.on_client_disconnect
     async def _(client: viser.ClientHandle) -> None:

@@ -15,6 +15,7 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.lease import LOST_AFTER_S
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.message_age import MOST_PER_S, Budget, MessageAge
+from tests.stopwatch import Stopwatch
 from tests.toy import Corridor, teleop
 from tests.waiting import eventually
 from tools.station import Station, open_socket
@@ -73,12 +74,12 @@ ACTED = {"let go": drives_no_more, "stop": stopped, "close": lost, "crash": lost
 
 def seconds_until(act: str, cockpit: Cockpit, raw: socket.socket, before: bytes) -> float:
     """How long it takes that `act` acts, which follows `before` in the same breath."""
-    began_s = time.monotonic()
+    watch = Stopwatch()
     raw.sendall(before + ACTS[act])
     if act == "crash":
         raw.shutdown(socket.SHUT_RDWR)
     assert eventually(lambda: ACTED[act](cockpit))
-    return time.monotonic() - began_s
+    return watch.took_s
 
 
 @contextmanager
@@ -98,7 +99,10 @@ def driving() -> Iterator[tuple[Cockpit, socket.socket]]:
 
 
 def best_s(measured_s: Callable[[], float]) -> float:
-    """A busy machine can only delay, so the best of a few tries tells what the page takes."""
+    """Of a few tries: what delays a machine beside its other programs is no fault of the page's.
+
+    The server computes for .05 s behind 4,000 messages, whatever the machine's load.
+    """
     took_s = math.inf
     for _ in range(TRIES):
         took_s = min(took_s, measured_s())
@@ -158,12 +162,12 @@ def test_others_are_heard_while_one_floods(page, cockpit):
         thread.start()
         try:
             time.sleep(0.5)
-            began_s = time.monotonic()
+            watch = Stopwatch()
             station.order("emergency-stop")
             assert eventually(lambda: cockpit.state.stopped)
-            assert time.monotonic() - began_s < PROMISED_S
+            assert watch.took_s < PROMISED_S
             station.until(lambda shown: shown["stopped"])
-            assert time.monotonic() - began_s < 2 * PROMISED_S
+            assert watch.took_s < 2 * PROMISED_S
         finally:
             enough.set()
             thread.join()

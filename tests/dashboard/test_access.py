@@ -16,7 +16,7 @@ from websockets.typing import Origin, Subprotocol
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.dashboard.access import AccessControl
+from sheath_manip.dashboard.access import COOKIE, AccessControl
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.widgets.controls import Controls
 from sheath_manip.exceptions import ParameterError, SetupError
@@ -46,16 +46,22 @@ def cookie_of(dashboard: Dashboard, token: str) -> str:
     return (response.getheader("Set-Cookie") or "").partition(";")[0]
 
 
+def own_path(dashboard: Dashboard) -> str:
+    return dashboard._server.access.path
+
+
 def open_socket(
     dashboard: Dashboard,
     host: str | None = None,
     origin: str | None = None,
     cookie: str | None = None,
     query: str = "",
+    path: str | None = None,
 ) -> ClientConnection:
     port = port_of(dashboard)
+    below = own_path(dashboard) if path is None else path
     return connect(
-        f"ws://{host or f'127.0.0.1:{port}'}/{query}",
+        f"ws://{host or f'127.0.0.1:{port}'}{below}{query}",
         sock=socket.create_connection(("127.0.0.1", port)),
         origin=None if origin is None else Origin(origin),
         additional_headers={} if cookie is None else {"Cookie": cookie},
@@ -77,9 +83,32 @@ def test_websocket_without_cookie_is_unauthorized(dashboard: Dashboard, token: s
     assert_refused(dashboard, HTTPStatus.UNAUTHORIZED)
     assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, cookie="sheath=1; other=2")
     assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, query=f"?token={token}")
-    assert_refused(
-        dashboard, HTTPStatus.UNAUTHORIZED, cookie=f"sheath-{port_of(dashboard)}={token}"
-    )
+    assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, cookie=f"sheath={token}")
+
+
+def test_the_cookie_lets_nobody_in_beside_its_path(dashboard: Dashboard, token: str) -> None:
+    cookie, path = cookie_of(dashboard, token), own_path(dashboard)
+    for elsewhere in (
+        "/",
+        "/keys",
+        path[:-1],
+        f"{path}x",
+        f"{path.upper()}/",
+        f"/x{path}",
+    ):
+        assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, cookie=cookie, path=elsewhere)
+    for elsewhere in ("/", "/index.html"):
+        assert get(dashboard, elsewhere, Cookie=cookie)[0].status == HTTPStatus.UNAUTHORIZED
+    assert get(dashboard, f"{path}/../x", Cookie=cookie)[0].status == HTTPStatus.NOT_FOUND
+
+
+def test_nothing_of_one_run_opens_the_next_one_whose_token_is_the_same(token: str) -> None:
+    one, two = (AccessControl("127.0.0.1", 80, token) for _ in range(2))
+    assert one.path != two.path
+    assert one.cookie != two.cookie
+    assert len(one.path) > 16
+    for secret in (one.path, one.cookie, token):
+        assert secret not in repr(one)
 
 
 def test_websocket_of_another_site_is_forbidden(dashboard: Dashboard, token: str) -> None:
@@ -113,23 +142,26 @@ def test_page_needs_token_or_cookie(dashboard: Dashboard, token: str) -> None:
     assert get(dashboard, "/?token=wrong-token")[0].status == HTTPStatus.UNAUTHORIZED
     assert get(dashboard, "/?token=")[0].status == HTTPStatus.UNAUTHORIZED
     assert get(dashboard, Host="evil.example")[0].status == HTTPStatus.FORBIDDEN
+    path = own_path(dashboard)
+    assert get(dashboard, f"{path}/")[0].status == HTTPStatus.UNAUTHORIZED
 
     welcome, _ = get(dashboard, f"/?token={token}")
     assert welcome.status == HTTPStatus.OK
     attributes = (welcome.getheader("Set-Cookie") or "").split("; ")
-    assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(attributes)
-    assert attributes[0].startswith(f"sheath-{port_of(dashboard)}=")
-    assert token not in attributes[0]
+    assert {"HttpOnly", "SameSite=Strict", f"Path={path}"} <= set(attributes)
+    assert attributes[0].startswith("sheath=")
+    assert token not in attributes[0] + path
 
-    response, page = get(dashboard, Cookie=attributes[0])
+    response, page = get(dashboard, f"{path}/", Cookie=attributes[0])
     assert response.status == HTTPStatus.OK
     assert b"<html" in page
 
 
 def test_query_never_reaches_the_page(dashboard: Dashboard, token: str) -> None:
     cookie = cookie_of(dashboard, token)
-    response, _ = get(dashboard, "/?websocket=ws://evil.example", Cookie=cookie)
-    assert response.status == HTTPStatus.UNAUTHORIZED
+    for path in (f"{own_path(dashboard)}/", own_path(dashboard), "/"):
+        response, _ = get(dashboard, f"{path}?websocket=ws://evil.example", Cookie=cookie)
+        assert response.status == HTTPStatus.UNAUTHORIZED
 
 
 def test_share_is_refused(
@@ -191,12 +223,20 @@ def test_serve_is_unwrapped_after_the_start(dashboard: Dashboard) -> None:
         ("::1", "[::1]:81", False),
         ("127.0.0.1", "", False),
         ("0.0.0.0", ":80", False),
+        # A zone is an interface of whoever asks, and free text.
+        ("0.0.0.0", "[::ffff:127.0.0.1%25eth0]", False),
+        ("0.0.0.0", "[fe80::1%eth0]:80", False),
+        ("::", "[fe80::1%25<b>]:80", False),
+        ("::", "[fe80::1]:80", True),
+        ("0.0.0.0", "[[127.0.0.1]]", False),
+        ("0.0.0.0", "127.0.0.1]", False),
+        ("0.0.0.0", "127.0.0.1:80:80", False),
     ],
 )
 def test_hosts_admitted(bound: str, asked: str, admitted: bool) -> None:
     access = AccessControl(bound, 80, "a-token-for-tests")
-    cookie = f"{access.cookie_name}={access.cookie_value}"
-    answer = access.answer(Request("/", Headers(Host=asked, Cookie=cookie)))
+    cookie = f"{COOKIE}={access.cookie}"
+    answer = access.answer(Request(access.path, Headers(Host=asked, Cookie=cookie)))
     assert (answer is None) == admitted
 
 
