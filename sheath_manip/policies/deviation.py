@@ -14,5 +14,5 @@ def largest_deviations(
     As a share of the dimension's range, so that units do not matter; the worst one, since a robot
     that is right in six dimensions and wrong in the seventh is wrong.
     """
-    shares = np.abs(predicted - labels) / (action.maximum - action.minimum)
+    shares = np.abs(predicted - labels) / action.span
     return np.clip(shares.max(axis=1), 0.0, 1.0).astype(np.float32)

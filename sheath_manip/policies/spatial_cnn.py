@@ -199,11 +199,11 @@ class SpatialPolicy(Memoryless):
     def _to_unit(self, actions: NDArray) -> NDArray[np.float32]:
         """(n, a) from the units of the action to -1..1 between its bounds."""
         low, high = self.spec.action.minimum, self.spec.action.maximum
-        return ((2 * actions - low - high) / (high - low)).astype(np.float32)
+        return ((2 * actions - low - high) / self.spec.action.span).astype(np.float32)
 
     def _from_unit(self, outputs: NDArray[np.float32]) -> NDArray[np.float32]:
         low, high = self.spec.action.minimum, self.spec.action.maximum
-        actions = (low + high + outputs * (high - low)) / 2
+        actions = (low + high + outputs * self.spec.action.span) / 2
         return np.clip(actions, low, high).astype(np.float32)
 
     def _fitted(self) -> SpatialNetwork:

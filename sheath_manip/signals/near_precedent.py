@@ -27,6 +27,9 @@ from sheath_manip.types.seen import Seen
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024
 
+LEAST_RANGE = 0.1
+"""of the labels in a dimension, as a share of their largest"""
+
 
 class NearPrecedentSignal(SingleMeasure):
     """Minus the distance to the nearest training state and its label, as one vector."""
@@ -61,7 +64,10 @@ class NearPrecedentSignal(SingleMeasure):
         spread = float(vectors.var(axis=0, dtype=np.float64).sum())
         self.unit_ = np.float32(1 / np.sqrt(spread) if spread > 0 else 1.0)
         framed = self._framed(labels, seen.features)
-        moved = np.maximum(np.ptp(framed, axis=0), 1e-6)
+        # Of a dimension that hardly moves, least of all a fixed one, the squares would swallow all
+        # other distances in float32.
+        least = np.maximum(LEAST_RANGE * np.abs(framed).max(axis=0), 1e-6)
+        moved = np.maximum(np.ptp(framed, axis=0), least)
         self.action_units_ = np.asarray(np.sqrt(self.action_weight) / moved, np.float32)
         return self._take(self._joined(vectors, framed))
 

@@ -29,6 +29,12 @@ class ActionSpec:
     """by which share of its range each dimension of two actions may differ and they still count as
     the same; 0 where the space is discrete"""
 
+    @property
+    def span(self) -> NDArray[np.float32]:
+        """(a,) what a dimension's bounds are apart; 1 for one that is fixed, so that it divides."""
+        apart = self.maximum - self.minimum
+        return np.where(apart > 0, apart, np.ones_like(apart))
+
     def validated(self, action: Any) -> Action:
         """Return `action` as (a,) float32, or raise ActionError naming what is wrong with it."""
         try:

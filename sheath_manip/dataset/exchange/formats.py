@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track
@@ -27,6 +27,16 @@ class ForeignFile(Protocol):
 
     def tracks(self) -> Iterator[Track]:
         """Each episode by the file's own keys."""
+        ...
+
+
+@runtime_checkable
+class SaysRate(Protocol):
+    """A file that may say at which rate it was recorded."""
+
+    @property
+    def control_rate_hz(self) -> float | None:
+        """Control steps a second; None where the file does not say."""
         ...
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from sheath_manip.dataset.compatibility import Alike, RecordedSpec
-from sheath_manip.dataset.exchange.formats import ForeignFile
+from sheath_manip.dataset.exchange.formats import ForeignFile, SaysRate
 from sheath_manip.dataset.exchange.key_map import KeyMap, interpret, numbered
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.naming import episode_name
@@ -43,9 +43,10 @@ def import_episodes(
     """Append the episodes of `file` to `store`, but for those that it holds.
 
     What this project exported comes back as it was, whatever `origin` says. An import that was cut
-    off can be run again. Raises StoreError where the file is damaged, where a key is missing, where
-    an episode does not fit those of the store, and where that holds another episode of the same
-    name; ParameterError where another tool wrote the file and there is no `origin`.
+    off can be run again. Raises StoreError where the file is damaged or holds no episode, where a key
+    is missing, where an episode does not fit those of the store, and where that holds another
+    episode of the same name; ParameterError where another tool wrote the file and there is no
+    `origin`, or one of another control rate than the file says.
     """
     added = held = 0
     alike, example = Alike("import it into a store of its own"), store.example()
@@ -60,6 +61,8 @@ def import_episodes(
             store.append_arrays(recorded)
             added += 1
         report(episode_name(recorded.header.info))
+    if not added + held:
+        raise StoreError("the file holds no episode; wanted at least one to import")
     return Imported(added, held)
 
 
@@ -68,6 +71,13 @@ def _recorded(file: ForeignFile, origin: Origin | None) -> Iterator[Recorded]:
     if ours is not None:
         yield from ours
         return
+    if origin is not None and isinstance(file, SaysRate):
+        told_hz, said_hz = origin.info.control_rate_hz, file.control_rate_hz
+        if said_hz not in (None, told_hz):
+            raise ParameterError(
+                f"the file says that it was recorded at {said_hz:g} Hz, not at {told_hz:g} Hz; "
+                f"give --control-rate-hz {said_hz:g}"
+            )
     if origin is None:
         raise ParameterError(
             "another tool wrote this file, which tells neither task nor control rate; give --task "

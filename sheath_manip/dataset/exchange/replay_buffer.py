@@ -169,7 +169,8 @@ class ReplayBufferFile:
 
     def tracks(self) -> Iterator[Track]:
         """Each episode by the file's own keys."""
-        for start, stop in zip([0, *self._ends[:-1].tolist()], self._ends.tolist(), strict=True):
+        stops = self._ends.tolist()
+        for start, stop in zip([0, *stops], stops, strict=False):
             yield Track(
                 length=stop - start,
                 keys=self._keys,

@@ -120,6 +120,14 @@ class RobomimicFile:
             data: Any = file["data"]
             self._demos = sorted(data, key=_number)
 
+    @property
+    def control_rate_hz(self) -> float | None:
+        """What the environment was made with, as robosuite's are; None where none is told."""
+        with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
+            told: Any = json.loads(file["data"].attrs.get("env_args", "{}"))
+            rate_hz = (told.get("env_kwargs") or {}).get("control_freq")
+            return None if rate_hz is None else float(rate_hz)
+
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
         with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:

@@ -1,6 +1,8 @@
 """Files that other tools wrote."""
 
+import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -164,6 +166,29 @@ def test_another_tools_file_needs_its_origin(buffer, hdf5, store) -> None:
     for form, path in (("replay-buffer", buffer), ("robomimic", hdf5)):
         with pytest.raises(ParameterError, match="give --task and --control-rate-hz"):
             import_episodes(open_file(form, path), store, None)
+
+
+def test_a_rate_that_the_file_says_is_held_against_what_is_told(hdf5, store) -> None:
+    with h5py.File(hdf5, "r+") as file:
+        told = {"env_name": "Lift", "type": 1, "env_kwargs": {"control_freq": 20}}
+        file["data"].attrs["env_args"] = json.dumps(told)
+    file = open_file("robomimic", hdf5)
+    with pytest.raises(ParameterError, match=r"recorded at 20 Hz, not at 10 Hz; give .* 20"):
+        import_episodes(file, store, origin("features=obs/pos"))
+    assert store.names() == []
+    right = replace(origin("features=obs/pos"), info=replace(INFO, control_rate_hz=20.0))
+    assert import_episodes(file, store, right).added == 2
+
+
+def test_a_file_without_an_episode_is_told(tmp_path, store) -> None:
+    root = zarr.create_group(tmp_path / "none.zarr", zarr_format=2)
+    root.create_array("data/action", data=np.zeros((0, 2)))
+    root.create_array("meta/episode_ends", data=np.zeros(0, np.int64))
+    with h5py.File(tmp_path / "none.hdf5", "w") as file:
+        file.create_group("data")
+    for form, name in (("replay-buffer", "none.zarr"), ("robomimic", "none.hdf5")):
+        with pytest.raises(StoreError, match="holds no episode"):
+            import_episodes(open_file(form, tmp_path / name), store, origin())
 
 
 def shorten(path: Path) -> None:

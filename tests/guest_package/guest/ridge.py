@@ -30,7 +30,7 @@ class Ridge(Memoryless):
     def surrogate_losses(self, proposal: Proposal, labels: np.ndarray) -> np.ndarray:
         """(n,) share of the range that they are off by, on average."""
         action = self.spec.action
-        off = np.abs(proposal.now - labels) / (action.maximum - action.minimum)
+        off = np.abs(proposal.now - labels) / action.span
         return off.mean(axis=1).astype(np.float32)
 
     def arrays(self) -> dict[str, np.ndarray]:
