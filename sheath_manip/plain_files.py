@@ -1,13 +1,13 @@
 """Opening a file that somebody else made: a plain one or none at all."""
 
 import hashlib
+import io
 import os
 import stat
 from pathlib import Path
-from typing import BinaryIO
 
 
-def open_plain(path: Path, follow: bool = True) -> BinaryIO:
+def open_plain(path: Path, follow: bool = True) -> io.BufferedReader:
     """Open a regular file to read its bytes.
 
     A pipe, a socket or a device raises OSError at once, and never holds up who asks. A link is

@@ -55,10 +55,10 @@ def _require_like(where: str, value: Any, example: Any) -> None:
         fits = type(value) is type(example)
     if not fits:
         raise ValueError(f"{where} is {value!r:.60}; wanted {type(example).__name__}")
-    if isinstance(value, dict):
+    if isinstance(value, dict) and isinstance(example, dict):
         for name in value.keys() & example.keys():
             _require_like(f"{where}.{name}", value[name], example[name])
-    elif isinstance(value, list):
+    elif isinstance(value, list) and isinstance(example, list):
         for each in value:
             _require_like(where, each, example[0])
     elif isinstance(value, int) and abs(value) >= 2**64:

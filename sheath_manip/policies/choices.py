@@ -17,6 +17,16 @@ def choices_of(spec: TaskSpec) -> NDArray[np.float32]:
     return np.asarray(spec.action.choices, dtype=np.float32)
 
 
+def best_choices(choices: NDArray[np.float32], scores: NDArray) -> NDArray[np.float32]:
+    """(n, a) the row of `choices` (k, a) that scores highest in each of (n, k) `scores`.
+
+    NaN where any score is NaN: to argmax that is the highest, and an action as good as another.
+    """
+    best = choices[scores.argmax(axis=1)]
+    broken = np.isnan(scores).any(axis=1, keepdims=True)
+    return np.where(broken, np.float32(np.nan), best) if broken.any() else best
+
+
 def nearest_choices(choices: NDArray, actions: NDArray) -> NDArray[np.int64]:
     """(n,) the row of `choices` (k, a) nearest to each of (n, a) `actions`."""
     distances = np.abs(np.asarray(actions)[:, None, :] - choices[None]).sum(axis=2)

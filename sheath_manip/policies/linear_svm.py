@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.choices import choices_of, nearest_choices, zero_one_losses
+from sheath_manip.policies.choices import (
+    best_choices,
+    choices_of,
+    nearest_choices,
+    zero_one_losses,
+)
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.protocols import Arrays
@@ -74,7 +80,7 @@ class LinearSvm(Memoryless):
         """
         weights, biases = self._fitted()
         scores = (observations.features @ weights.T + biases) @ self._signs.T
-        return Proposal(self.choices[scores.argmax(axis=1)], {"choice scores": scores})
+        return Proposal(best_choices(self.choices, scores), {"choice scores": scores})
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where any button differs from its label, else 0 (Eq. 8, righted)."""
@@ -92,14 +98,11 @@ class LinearSvm(Memoryless):
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`; ParameterError for another number of buttons or features."""
-        wanted = (len(self.spec.action.names), len(self.spec.feature_names) + 1)
-        if arrays["machines"].shape != wanted:
-            raise ParameterError(
-                f"the machines have shape {arrays['machines'].shape}; wanted {wanted}: one for "
-                "each button, with a weight for each feature and a bias"
-            )
-        self.penalty_ = float(arrays["penalty"])
-        return self._take(np.asarray(arrays["machines"], dtype=np.float64))
+        # One for each button, with a weight for each feature and a bias.
+        shape = len(self.spec.action.names), len(self.spec.feature_names) + 1
+        machines = numbers(arrays, "machines", *shape)
+        self.penalty_ = float(numbers(arrays, "penalty"))
+        return self._take(machines.astype(np.float64))
 
     def _take(self, machines: NDArray[np.float64]) -> Self:
         self.machines_ = machines

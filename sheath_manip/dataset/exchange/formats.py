@@ -40,6 +40,16 @@ class SaysRate(Protocol):
         ...
 
 
+@runtime_checkable
+class Sealed(Protocol):
+    """A file that may hold a digest of each of its episodes."""
+
+    @property
+    def is_sealed(self) -> bool:
+        """Whether it does: then a changed bit is found."""
+        ...
+
+
 @dataclass(frozen=True)
 class Format:
     """What can be done with another tool's files."""
