@@ -60,7 +60,8 @@ def export(
             write(aside, counted(selected(reader, selection)), selection.action)
             if aside.is_dir():
                 sync_tree(aside)
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
+        # HDF5 raises either where the disk is full.
         raise StoreError(f"cannot write {target} ({error}); nothing is left of it") from error
     steps = sum(header.length for header in headers)
     told = remarks((header.info.variant, RecordedSpec.of(header)) for header in headers)
