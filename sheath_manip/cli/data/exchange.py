@@ -86,15 +86,16 @@ class ImportStore:
 
     def run(self, session: Session) -> int:
         """Append them, then print how many."""
-        from sheath_manip.dataset.exchange.formats import open_file
-        from sheath_manip.dataset.exchange.importing import import_episodes
+        from sheath_manip.dataset.exchange.apart import import_apart
+        from sheath_manip.dataset.exchange.formats import readable
         from sheath_manip.dataset.store import EpisodeStore
 
         origin = self._origin()
-        file = open_file(self.format, self.file)
+        # Before a store is made for it.
+        readable(self.format, self.file)
         store = EpisodeStore.create(self.store)
         with session.err.status("importing"):
-            done = import_episodes(file, store, origin)
+            done = import_apart(self.format, self.file, store, origin)
         line = f"{done.added} episodes added to {self.store}, {done.held} were there before"
         session.out.print(Text(line))
         if not done.sealed:

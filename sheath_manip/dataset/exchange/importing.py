@@ -1,9 +1,11 @@
 """Taking in the episodes of another tool's file."""
 
+import os
 import shutil
 import uuid
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from sheath_manip.dataset.compatibility import Alike, RecordedSpec
 from sheath_manip.dataset.durable import publish
@@ -58,7 +60,7 @@ def import_episodes(
     if example is not None:
         alike.take(*example)
     # Swept away as a recording that was cut off, should this process be.
-    aside = store.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
+    aside = store.path / f"{_prefix(os.getpid())}{uuid.uuid4().hex}"
     number = held = 0
     try:
         staged = EpisodeStore.create(aside)
@@ -86,6 +88,15 @@ def import_episodes(
         ) from error
     finally:
         shutil.rmtree(aside, ignore_errors=True)
+
+
+def staging_of(store: EpisodeStore, process_id: int) -> list[Path]:
+    """Return the folders in which a process has put aside what it imports."""
+    return list(store.path.glob(f"{_prefix(process_id)}*"))
+
+
+def _prefix(process_id: int) -> str:
+    return f"{LEFTOVER_PREFIX}import-{process_id}-"
 
 
 def _published(staged: EpisodeStore, store: EpisodeStore) -> int:

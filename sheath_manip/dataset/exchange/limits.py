@@ -1,6 +1,8 @@
 """What reading another tool's file may take, in memory and in time: in proportion to its size."""
 
+import os
 import time
+from itertools import islice
 from pathlib import Path
 
 from sheath_manip.exceptions import StoreError
@@ -14,6 +16,19 @@ LEAST_BYTES_PER_S = 1e6
 """Reading a file may take `LEAST_S`, and the time that its bytes take at this rate on top."""
 MOST_ENTRIES = 1_000_000
 """files of a folder, or members of an archive"""
+
+
+def stored_bytes(path: Path) -> int:
+    """Return the bytes of a file, or of all files in a folder; raises StoreError where it is none.
+
+    Nothing is followed out of a folder.
+    """
+    if not path.exists():
+        raise StoreError(f"wanted a file or a folder at {path}, found nothing")
+    if not path.is_dir():
+        return path.stat().st_size
+    files = (Path(folder, name) for folder, _, names in os.walk(path) for name in names)
+    return sum(file.lstat().st_size for file in islice(files, MOST_ENTRIES))
 
 
 class Limits:
