@@ -2,23 +2,19 @@
 
 import json
 import math
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sheath_manip.outputs import written_aside
+
 
 def write_json(path: Path, content: Any) -> None:
-    """Write `content` beside `path`, then rename: a reader sees the old file or the new one."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{path.name}.{os.getpid()}")
-    with aside.open("w") as file:
+    """Write `content` in one stroke: a reader of `path` sees the old file or the new one."""
+    with written_aside(path) as aside, aside.open("w") as file:
         json.dump(content, file, indent=1)
-        file.flush()
-        os.fsync(file.fileno())
-    aside.replace(path)
 
 
 def plain(value: Any) -> Any:

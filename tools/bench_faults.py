@@ -21,6 +21,8 @@ Section = Callable[[bool], Mapping[str, Count]]
 
 SECTIONS = {
     "loop": "tests.faults.loop_section:counts",
+    "checkpoints": "tests.faults.checkpoint_section:counts",
+    "exchange": "tests.faults.exchange_section:counts",
 }
 """by name, `module:callable` of each section: imported only where it is run"""
 

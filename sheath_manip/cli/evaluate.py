@@ -42,6 +42,7 @@ class Evaluate:
         with opened(task, self.variant) as probe:
             spec = probe.spec
         checkpoint = load_checkpoint(self.checkpoint, spec)
+        session.remark(checkpoint.remark)
         requests = evaluation_requests(
             task,
             self.variant,

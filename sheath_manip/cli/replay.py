@@ -11,6 +11,7 @@ from rich.text import Text
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.outputs import written_aside
 from sheath_manip.task import Task
 
 if TYPE_CHECKING:
@@ -80,7 +81,8 @@ class Replay:
         with session.err.status("drawing"):
             _, content = maker.exported(place, self.export.suffix.removeprefix("."))
         try:
-            self.export.write_bytes(content)
+            with written_aside(self.export, replacing=False) as aside:
+                aside.write_bytes(content)
         except OSError as error:
             raise ParameterError(f"cannot write {self.export} ({error})") from error
         session.out.print(Text(f"{self.export}: {len(content) / 1e6:.2f} MB"))

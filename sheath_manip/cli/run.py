@@ -61,7 +61,7 @@ class Run:
         from sheath_manip.learning.checkpoint import digest
         from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 
-        checkpoint, named = self._checkpoint(task), digest(self.checkpoint)
+        checkpoint, named = self._checkpoint(task, session), digest(self.checkpoint)
         driver: Driver = PolicyAlone(self.checkpoint, named)
         if not self.policy_alone:
             # A gate that judges by nothing is no gate: said before anything runs.
@@ -76,7 +76,7 @@ class Run:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
         from sheath_manip.cli.adjusting import adjusted
 
-        checkpoint = self._checkpoint(task)
+        checkpoint = self._checkpoint(task, session)
         with session.err.status("reading"):
             adjusting = adjusted(self.checkpoint, checkpoint, self.training_store, spec_of(task))
         with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
@@ -85,12 +85,14 @@ class Run:
             driver = crew.driver(adjusting.driver)
             return self._run(crew.operated(), session, checkpoint, driver, crew.listeners)
 
-    def _checkpoint(self, task: Task) -> "Checkpoint":
+    def _checkpoint(self, task: Task, session: Session) -> "Checkpoint":
         from sheath_manip.cli.episodes import opened
         from sheath_manip.learning.checkpoint import load_checkpoint
 
         with opened(task, self.variant) as probe:
-            return load_checkpoint(self.checkpoint, probe.spec)
+            checkpoint = load_checkpoint(self.checkpoint, probe.spec)
+        session.remark(checkpoint.remark)
+        return checkpoint
 
     def _run(
         self,
@@ -109,6 +111,7 @@ class Run:
 
         spec = spec_of(task)
         purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
+        named = digest(self.checkpoint)
         fallback = "" if self.policy_alone or self.expert == SCRIPTED else self.expert
         infos = [
             EpisodeInfo.of(
@@ -122,7 +125,7 @@ class Run:
                 round=checkpoint.round,
                 index=index,
                 run_seed=self.seed,
-                checkpoint=digest(self.checkpoint),
+                checkpoint=named,
             )
             for index in range(self.episodes)
         ]

@@ -75,6 +75,11 @@ class Session:
         """Print a line about what is left out."""
         self.err.print(Text(line, "yellow"))
 
+    def remark(self, line: str) -> None:
+        """Print what must be told beside the results; nothing for an empty line."""
+        if line:
+            self.err.print(Text(line))
+
     def announce(self, address: str) -> None:
         """Print the address of a page, token included."""
         text = Text(address, no_wrap=True, style="bold cyan")

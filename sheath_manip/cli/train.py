@@ -77,6 +77,7 @@ class Train(Planned):
         from sheath_manip.learning.checkpoint import Checkpoint, digest
         from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.fitting import fit_gate
+        from sheath_manip.learning.keeping import keep
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
         from sheath_manip.signals import make_signal
@@ -120,14 +121,15 @@ class Train(Planned):
                     fresh_policy, states, tolerance=spec.action.tolerance
                 ),
             )
-        Checkpoint(
+        fitted = Checkpoint(
             spec.name,
             config.name,
             policy,
             fit.gate,
             run_seed=self.seed,
             training_loss=fit.training_loss,
-        ).save(self.checkpoint)
+        )
+        keep(fitted, self.checkpoint)
 
         gate, looks = fit.gate, fit.looks
         alarms = [

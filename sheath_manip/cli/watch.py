@@ -64,6 +64,7 @@ class Watch:
         adjusting = None
         if self.checkpoint is not None:
             checkpoint = load_checkpoint(self.checkpoint, spec)
+            session.remark(checkpoint.remark)
             with session.err.status("reading"):
                 adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec)
             driver = adjusting.driver

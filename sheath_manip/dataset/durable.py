@@ -5,20 +5,13 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from sheath_manip.outputs import sync
+
 Files = Mapping[str, bytes]
 """what is to be in each file, by its path in a directory, with slashes"""
 
 # Linux has it and os has not; it tells of failed writes as fsync does.
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)
-
-
-def sync(path: Path) -> None:
-    """Return once the file or the directory's list of entries is on the disk; raises OSError."""
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def sync_tree(directory: Path) -> None:
@@ -71,12 +64,3 @@ def publish_files(files: Files, aside: Path, final: Path) -> None:
         with file.open("xb") as opened:
             opened.write(content)
     publish(aside, final)
-
-
-def publish_file(file: Path, final: Path) -> None:
-    """Give a finished `file` its `final` name on the same file system, as `publish` does."""
-    sync(file)
-    # Unlike a rename, a link never takes the name from another file.
-    final.hardlink_to(file)
-    file.unlink()
-    sync(final.parent)

@@ -1,6 +1,5 @@
 """An episode's header: all of it that is no array, kept as the attributes of its zarr group."""
 
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from sheath_manip.types import (
 
 # A camera is a folder of the group, on any system.
 CAMERA = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+LEAST_RATE_HZ, MOST_RATE_HZ = 1e-3, 1e6
 _PACKAGES = ("sheath-manip", "mujoco", "numpy", "zarr")
 
 
@@ -77,7 +77,8 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         raise StoreError(f"{name}: wanted at least one step, the episode has none")
     if not is_rate(episode.info.control_rate_hz):
         raise StoreError(
-            f"{name}: wanted a control rate above 0 Hz, got {episode.info.control_rate_hz}"
+            f"{name}: wanted a control rate of {LEAST_RATE_HZ:g} .. {MOST_RATE_HZ:g} Hz, got "
+            f"{episode.info.control_rate_hz}"
         )
     for camera in episode.final_observation.images:
         if not CAMERA.fullmatch(camera):
@@ -142,8 +143,8 @@ def require_sizes(header: Header) -> None:
 
 
 def is_rate(rate_hz: float) -> bool:
-    """Whether a control rate is finite and above 0 Hz."""
-    return 0 < rate_hz < math.inf
+    """Whether a control rate is one that a robot or a simulation could have."""
+    return LEAST_RATE_HZ <= rate_hz <= MOST_RATE_HZ
 
 
 @cache

@@ -4,38 +4,33 @@ A support fitted on last round's embedding is meaningless, so they are saved and
 The file is an .npz of plain arrays with a JSON header: no code is ever loaded from it.
 """
 
-import hashlib
 import inspect
-import io
-import json
-import os
-import zipfile
-import zlib
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Self
-
-import numpy as np
-from numpy.typing import NDArray
 
 from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownNameError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
+from sheath_manip.learning.checkpoint_file import read_arrays, require_digest, write_arrays
+from sheath_manip.learning.checkpoint_header import require_header
 from sheath_manip.learning.older_checkpoints import header_of_schema_2
+from sheath_manip.learning.trying import require_works
+from sheath_manip.outputs import written_aside
+from sheath_manip.plain_files import sha256_of
 from sheath_manip.policies import make_policy
+from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Gate, TrainablePolicy
 from sheath_manip.signals import make_signal
 from sheath_manip.types import TaskSpec
 
 FORMAT = "sheath-checkpoint"
-SCHEMA = 3
+SCHEMA = 4
+WITHOUT_DIGEST = (2, 3)
+"""older schemas, which are still read"""
 PARTS = ("policy", "signal")
-# The earliest date that a zip file can hold: equal content then gives equal bytes.
-ZIP_DATE = (1980, 1, 1, 0, 0, 0)
-SAMPLED_BYTES = 1 << 16
-"""of an array, by which it is told whether compressing it pays"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +48,8 @@ class Checkpoint:
     run_seed: int = 0
     training_loss: float = float("nan")
     """mean surrogate loss of the policy on the states that it was fitted to"""
+    remark: str = ""
+    """what must be told of the file that it was read from; empty where nothing must"""
 
     @property
     def threshold(self) -> float:
@@ -72,7 +69,10 @@ class Checkpoint:
         return make_gate(self.fitted, person=person)
 
     def save(self, path: Path | str) -> Path:
-        """Write the file in one stroke: it is there whole or not at all. Returns its path."""
+        """Write the file in one stroke: it is there whole or not at all. Returns its path.
+
+        Raises CheckpointError where a learned number is not finite, and OSError.
+        """
         path = Path(path)
         fitted = self.fitted
         header = {
@@ -93,19 +93,8 @@ class Checkpoint:
         learned: dict[str, Arrays] = {"policy": self.policy.arrays()}
         if fitted.signal is not None:
             learned["signal"] = fitted.signal.arrays()
-        arrays: dict[str, NDArray] = {"header": np.array(json.dumps(header, sort_keys=True))}
-        for part, named in learned.items():
-            arrays |= {f"{part}/{name}": array for name, array in sorted(named.items())}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-        try:
-            with temporary.open("wb") as file:
-                _write_npz(file, arrays)
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        with written_aside(path) as aside, aside.open("wb") as file:
+            write_arrays(file, header, flatten(learned))
         return path
 
 
@@ -113,33 +102,39 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
     """Read a checkpoint of the task `spec`.
 
     Raises:
-        CheckpointError: the file is missing, broken, no checkpoint, of another schema or task, or
-            it names a policy, a signal, an embedding or a support that is in no table.
+        CheckpointError: the file is missing, broken, changed, no checkpoint, of another schema or
+            task, or it names a policy, a signal, an embedding or a support that is in no table.
     """
     path = Path(path)
-    header, arrays = _read(path)
+    header, arrays, remark = _read(path)
     if header["task"] != spec.name:
         raise CheckpointError(
             f"{path} was trained on task {header['task']!r}, not on {spec.name!r}; "
             f"use it with task {header['task']}"
         )
     try:
-        hyper = dict(header["policy"]["hyper"])
-        policy = make_policy(header["policy"]["name"], spec, **hyper).load(arrays["policy"])
-        return Checkpoint(
-            task=header["task"],
-            policy_name=header["policy"]["name"],
-            policy=policy,
-            fitted=_fitted(header, policy, arrays["signal"]),
-            method=str(header["method"]),
-            round=int(header["round"]),
-            run_seed=int(header["run_seed"]),
-            training_loss=float(header["training_loss"]),
-        )
+        hyper = header["policy"]["hyper"]
+        policy = make_policy(header["policy"]["name"], spec, **hyper)
+        policy.load(subtree(arrays, "policy"))
+        fitted = _fitted(header, policy, subtree(arrays, "signal"))
+        require_works(spec, fitted)
     except (UnknownNameError, ParameterError) as error:
         raise CheckpointError(f"{path} does not fit this version or task: {error}") from error
-    except (KeyError, TypeError, ValueError) as error:
-        raise CheckpointError(f"{path} is broken: {type(error).__name__} {error}") from error
+    except Exception as error:
+        # Policies and signals may come from other packages, and raise what they like.
+        reason = " ".join(str(error).split())[:300]
+        raise CheckpointError(f"{path} is broken: {type(error).__name__} {reason}") from error
+    return Checkpoint(
+        task=header["task"],
+        policy_name=header["policy"]["name"],
+        policy=policy,
+        fitted=fitted,
+        method=header["method"],
+        round=header["round"],
+        run_seed=header["run_seed"],
+        training_loss=float(header["training_loss"]),
+        remark=remark,
+    )
 
 
 def _fitted(header: dict[str, Any], policy: TrainablePolicy, arrays: Arrays) -> FittedGate:
@@ -164,9 +159,11 @@ SOURCES = ("fitted_to", "held_out")
 def digest(path: Path | str) -> str:
     """16 hex digits, for `EpisodeInfo.checkpoint`: equal for files of equal content."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+        return sha256_of(Path(path))[:16]
     except OSError as error:
-        raise CheckpointError(f"cannot read checkpoint {path}: {error.strerror}") from error
+        raise CheckpointError(
+            f"cannot read checkpoint {path}: {error.strerror or error}"
+        ) from error
 
 
 def _hyperparameters(component: Any) -> dict[str, Any]:
@@ -175,53 +172,25 @@ def _hyperparameters(component: Any) -> dict[str, Any]:
     return {name: getattr(component, name) for name in names if name != "spec"}
 
 
-def _write_npz(file: Any, arrays: Arrays) -> None:
-    with zipfile.ZipFile(file, "w") as archive:
-        for name, array in arrays.items():
-            buffer = io.BytesIO()
-            np.lib.format.write_array(buffer, np.asarray(array), allow_pickle=False)
-            content = buffer.getvalue()
-            info = zipfile.ZipInfo(f"{name}.npy", ZIP_DATE)
-            archive.writestr(info, content, _compression(content))
-
-
-def _compression(content: bytes) -> int:
-    """Deflate for what then has half the size at most: binary features have a fiftieth.
-
-    Network weights and image features would not even get a tenth smaller, for a second each.
-    """
-    sample = content[:SAMPLED_BYTES]
-    pays = 2 * len(zlib.compress(sample, 1)) < len(sample)
-    return zipfile.ZIP_DEFLATED if pays else zipfile.ZIP_STORED
-
-
-def _read(path: Path) -> tuple[dict[str, Any], dict[str, dict[str, NDArray]]]:
-    if not path.is_file():
-        raise CheckpointError(f"no checkpoint at {path}; wanted a file that a training run wrote")
-    try:
-        # Opened here, since np.load leaves a broken file open.
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
-            flat = {name: content[name] for name in content.files}
-        header = json.loads(str(flat.pop("header", "{}")))
-    except OSError as error:
-        raise CheckpointError(f"{path} cannot be read as a checkpoint: {error}") from error
-    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError, TypeError) as error:
-        # numpy's own words advise to unpickle what is foreign.
-        raise CheckpointError(
-            f"{path} cannot be read as a checkpoint; wanted a file that `sheath train` or an "
-            "experiment wrote"
-        ) from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
+def _read(path: Path) -> tuple[dict[str, Any], Arrays, str]:
+    """The header as one of this schema, the arrays, and what must be told of the file."""
+    header, arrays = read_arrays(path)
+    if header.get("format") != FORMAT:
         raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
-    if header.get("schema") == 2:
-        header = header_of_schema_2(path, header)
-    if header.get("schema") != SCHEMA:
+    remark = ""
+    if header.get("schema") == SCHEMA:
+        require_digest(path, header, arrays)
+    elif header.get("schema") in WITHOUT_DIGEST:
+        remark = f"{path} has no digest: an older version wrote it, and no changed bit is noticed"
+        if header["schema"] == 2:
+            header = header_of_schema_2(path, header)
+    else:
         raise CheckpointError(
-            f"{path} has schema {header.get('schema')}; this version reads 2 and {SCHEMA}: train "
-            "again"
+            f"{path} has schema {header.get('schema')!r:.60}; this version reads "
+            f"{', '.join(map(str, WITHOUT_DIGEST))} and {SCHEMA}: train again"
         )
-    parts: dict[str, dict[str, NDArray]] = {part: {} for part in PARTS}
-    for name, array in flat.items():
-        part, _, rest = name.partition("/")
-        parts.setdefault(part, {})[rest] = array
-    return header, parts
+    try:
+        require_header(header)
+    except ValueError as error:
+        raise CheckpointError(f"{path} is broken: {error}") from error
+    return header, arrays, remark

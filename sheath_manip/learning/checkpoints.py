@@ -12,6 +12,7 @@ from sheath_manip.gates.making import GATES
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import fit_gate, recalibrated
+from sheath_manip.learning.keeping import keep
 from sheath_manip.learning.methods import Method
 from sheath_manip.learning.results import EXPERT, round_path
 from sheath_manip.policies import make_policy
@@ -187,7 +188,7 @@ class Checkpoints:
         path = self._path(method, number)
         if not path.exists():
             fitted = replace(fit(), method=method, round=number, run_seed=self.run_seed)
-            fitted.save(path)
+            keep(fitted, path)
         # Read back, so that a resumed run continues from the same bits as an uninterrupted one.
         return load_checkpoint(path, self.spec)
 

@@ -9,10 +9,12 @@ from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.flat_plans import upgraded
 from sheath_manip.learning.methods import METHODS
+from sheath_manip.plain_files import read_plain
 
 PLAN = "plan.json"
 LEVELS = 3
 """a run's plan lies at most so many folders above its checkpoints"""
+MOST_PLAN_BYTES = 1 << 20
 
 
 def header_of_schema_2(path: Path, header: dict[str, Any]) -> dict[str, Any]:
@@ -29,7 +31,7 @@ def header_of_schema_2(path: Path, header: dict[str, Any]) -> dict[str, Any]:
             f"{PLAN} of its run lies beside it; wanted it where the run wrote it: or train again"
         )
     try:
-        written = upgraded(json.loads(found.read_text()))
+        written = upgraded(json.loads(read_plain(found, MOST_PLAN_BYTES)))
         plan = LearningPlan(gate=GateConfig.from_described(written["gate"]))
         if header["method"] in METHODS:
             plan = METHODS[header["method"]].plan(plan)
@@ -54,5 +56,13 @@ def header_of_schema_2(path: Path, header: dict[str, Any]) -> dict[str, Any]:
             "sources": {"fitted_to": [], "held_out": []},
             "training_loss": float("nan"),
         }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, SheathError) as error:
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+        SheathError,
+    ) as error:
         raise CheckpointError(f"{path} of schema 2 does not fit {found}: {error}") from error

@@ -21,9 +21,11 @@ def mp4(
 ) -> bytes:
     """The video of (h, w, 3) RGB `frames` of one even size; `report` is told of each.
 
-    Raises SetupError where this machine's OpenCV cannot encode it.
+    Raises SetupError where this machine's OpenCV cannot encode it, or the disk of its temporary
+    files has no room.
     """
     writer: cv2.VideoWriter | None = None
+    count = 0
     # OpenCV writes to files only.
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.mp4"
@@ -39,8 +41,24 @@ def mp4(
                             "with FFmpeg, such as the opencv-python-headless of PyPI"
                         )
                 writer.write(np.ascontiguousarray(frame[..., ::-1]))
+                count = number + 1
                 report(number)
         finally:
             if writer is not None:
                 writer.release()
+        _require_whole(path, count)
         return path.read_bytes()
+
+
+def _require_whole(path: Path, count: int) -> None:
+    """Raise SetupError where frames are missing: of a full disk OpenCV tells nothing."""
+    reader = cv2.VideoCapture(str(path))
+    try:
+        found = int(reader.get(cv2.CAP_PROP_FRAME_COUNT)) if reader.isOpened() else 0
+    finally:
+        reader.release()
+    if found != count:
+        raise SetupError(
+            f"the video has {max(found, 0)} of {count} frames; wanted room for it in "
+            f"{path.parent.parent}: set TMPDIR to a folder with more"
+        )

@@ -14,14 +14,10 @@ from torch import nn
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import shifted
-from sheath_manip.policies.choices import (
-    choices_of,
-    likeliest,
-    nearest_choices,
-    zero_one_losses,
-)
+from sheath_manip.policies.choices import choices_of, likeliest, nearest_choices, zero_one_losses
+from sheath_manip.policies.learned_arrays import numbers, require_shapes
 from sheath_manip.policies.memoryless import Memoryless
-from sheath_manip.policies.network import ConvNetwork
+from sheath_manip.policies.network import ConvNetwork, shapes_of
 from sheath_manip.policies.reconstruction import reconstruction_loss
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
@@ -112,13 +108,14 @@ class ConvPolicy(Memoryless):
         self.fits_ += 1
         return self
 
-    def _fresh_network(self) -> ConvNetwork:
+    def _fresh_network(self, weights: bool = True) -> ConvNetwork:
+        """Of the seed's first weights; without, it takes no memory and only has shapes."""
         return ConvNetwork(
             self.spec.cameras[self.camera],
             len(self.choices),
             self.channels,
             self.hidden,
-            torch.Generator().manual_seed(self.seed),
+            torch.Generator().manual_seed(self.seed) if weights else None,
             reconstructs=self.reconstruction_weight > 0,
         )
 
@@ -168,10 +165,11 @@ class ConvPolicy(Memoryless):
             layers = network.activations(_tensor(observations.images[self.camera]))
             penultimate = network.rectified(layers[-1])
             logits = network.head(penultimate)
+            chosen = likeliest(self.choices, logits.numpy())
             scores = torch.softmax(logits, dim=1).numpy()
         latents = {f"convolution {number}": layer for number, layer in enumerate(layers)}
         return Proposal(
-            likeliest(self.choices, logits.numpy()),
+            chosen,
             {**latents, "penultimate": penultimate, "choice scores": scores},
         )
 
@@ -195,21 +193,21 @@ class ConvPolicy(Memoryless):
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
-        state = {
-            name: torch.from_numpy(np.array(array))
-            for name, array in arrays.items()
-            if name != "fits"
-        }
-        network = self._fresh_network()
+        weights = {name: array for name, array in arrays.items() if name != "fits"}
         try:
-            network.load_state_dict(state)
-            self.fits_ = int(arrays["fits"])
-        except (RuntimeError, KeyError) as error:
+            # Before memory is taken for what the hyperparameters ask for.
+            require_shapes(weights, shapes_of(self._fresh_network(weights=False)))
+        except ParameterError as error:
             raise ParameterError(
                 f"the weights are not those of a network with channels {self.channels}, hidden "
                 f"layers {self.hidden}, {len(self.choices)} choices and reconstruction weight "
-                f"{self.reconstruction_weight:g}"
+                f"{self.reconstruction_weight:g}: {error}"
             ) from error
+        network = self._fresh_network()
+        network.load_state_dict(
+            {name: torch.from_numpy(np.array(array)) for name, array in weights.items()}
+        )
+        self.fits_ = int(numbers(arrays, "fits"))
         self.network_ = network.eval()
         return self
 

@@ -20,6 +20,7 @@ from sheath_manip.policies.choices import (
     nearest_choices,
     zero_one_losses,
 )
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
@@ -27,6 +28,8 @@ from sheath_manip.types.samples import Samples
 
 CELLS_PER_BLOCK = 2
 ORIENTATIONS = 9
+MOST_SIDE_PX = 1024
+"""of the image: no memory is taken for more, whatever a checkpoint says"""
 
 
 class HogSvm(Memoryless):
@@ -58,8 +61,11 @@ class HogSvm(Memoryless):
         self.choices = choices_of(spec)
         if not spec.cameras:
             raise ParameterError(f"task {spec.name!r} has no camera; an image policy needs one")
-        if side < cell * CELLS_PER_BLOCK:
-            raise ParameterError(f"side is {side} px; wanted at least two cells of {cell} px")
+        if not 1 <= cell <= side // CELLS_PER_BLOCK or side > MOST_SIDE_PX:
+            raise ParameterError(
+                f"side is {side} px and cell {cell} px; wanted at least two cells, and at most "
+                f"{MOST_SIDE_PX} px"
+            )
         self.camera = next(iter(spec.cameras))
 
     def fit(self, samples: Samples) -> Self:
@@ -96,9 +102,7 @@ class HogSvm(Memoryless):
     def gradients(self, images: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(n, d) histograms of oriented gradients."""
         rows = [self._gradients_of(image) for image in images[self.camera]]
-        cells = self.side // self.cell
-        size = ORIENTATIONS * (cells - 1) ** 2 * CELLS_PER_BLOCK**2
-        return np.stack(rows) if rows else np.empty((0, size), dtype=np.float32)
+        return np.stack(rows) if rows else np.empty((0, self._width), dtype=np.float32)
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where predicted and labelled controls differ, else 0 (Eq. 8, righted)."""
@@ -109,13 +113,15 @@ class HogSvm(Memoryless):
         return {"weights": self._fitted(), "biases": self.biases_}
 
     def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`; ParameterError for another number of choices."""
-        if len(arrays["weights"]) != len(self.choices):
-            raise ParameterError(
-                f"the weights are for {len(arrays['weights'])} choices; wanted {len(self.choices)}"
-            )
-        self.weights_, self.biases_ = arrays["weights"], arrays["biases"]
+        """Take over `arrays()`; ParameterError for other shapes."""
+        self.weights_ = numbers(arrays, "weights", len(self.choices), self._width)
+        self.biases_ = numbers(arrays, "biases", len(self.choices))
         return self
+
+    @property
+    def _width(self) -> int:
+        """d."""
+        return ORIENTATIONS * (self.side // self.cell - 1) ** 2 * CELLS_PER_BLOCK**2
 
     def _gradients_of(self, image: NDArray[np.uint8]) -> NDArray[np.float32]:
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)

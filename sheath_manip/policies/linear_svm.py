@@ -17,6 +17,7 @@ from sheath_manip.policies.choices import (
     nearest_choices,
     zero_one_losses,
 )
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.protocols import Arrays
@@ -97,14 +98,11 @@ class LinearSvm(Memoryless):
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()`; ParameterError for another number of buttons or features."""
-        wanted = (len(self.spec.action.names), len(self.spec.feature_names) + 1)
-        if arrays["machines"].shape != wanted:
-            raise ParameterError(
-                f"the machines have shape {arrays['machines'].shape}; wanted {wanted}: one for "
-                "each button, with a weight for each feature and a bias"
-            )
-        self.penalty_ = float(arrays["penalty"])
-        return self._take(np.asarray(arrays["machines"], dtype=np.float64))
+        # One for each button, with a weight for each feature and a bias.
+        shape = len(self.spec.action.names), len(self.spec.feature_names) + 1
+        machines = numbers(arrays, "machines", *shape)
+        self.penalty_ = float(numbers(arrays, "penalty"))
+        return self._take(machines.astype(np.float64))
 
     def _take(self, machines: NDArray[np.float64]) -> Self:
         self.machines_ = machines

@@ -25,9 +25,10 @@ class ConvNetwork(nn.Module):
         classes: int,
         channels: Sequence[int],
         hidden: Sequence[int],
-        generator: torch.Generator,
+        generator: torch.Generator | None,
         reconstructs: bool = False,
     ) -> None:
+        """Draw the first weights from `generator`; without one there are only their shapes."""
         super().__init__()
         if not 1 <= len(channels) <= len(KERNELS):
             raise ParameterError(
@@ -56,6 +57,8 @@ class ConvNetwork(nn.Module):
             self.head = nn.Linear(widths[-1], classes)
             # Last, so that the other layers begin alike with and without it.
             self.decoder = Decoder(channels[-1]) if reconstructs else None
+        if generator is None:
+            return
         self.to_empty(device="cpu")
         for parameter in self.parameters():
             if parameter.ndim > 1:
@@ -89,3 +92,8 @@ class ConvNetwork(nn.Module):
         for layer in self.hidden:
             outputs = torch.relu(layer(outputs))
         return outputs
+
+
+def shapes_of(network: nn.Module) -> dict[str, tuple[int, ...]]:
+    """Return the shape of each of a network's learned tensors, by name."""
+    return {name: tuple(tensor.shape) for name, tensor in network.state_dict().items()}

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from sklearn.covariance import ledoit_wolf
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.protocols import Arrays
 
 # A feature that hardly ever moved in training would be blown up beyond all others by its own tiny
@@ -67,9 +68,9 @@ class Standardisation:
         return {"mean": self.mean_, "factor": self.factor_}
 
     def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`."""
-        self.mean_ = np.asarray(arrays["mean"], dtype=np.float32)
-        self.factor_ = np.asarray(arrays["factor"], dtype=np.float32)
+        """Take over `arrays()`; ParameterError where their shapes do not belong together."""
+        self.mean_ = numbers(arrays, "mean", None).astype(np.float32)
+        self.factor_ = numbers(arrays, "factor", len(self.mean_)).astype(np.float32)
         return self
 
 
@@ -106,7 +107,8 @@ class Whitening:
         return {**self.standardisation.arrays(), "matrix": self.matrix_}
 
     def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`."""
+        """Take over `arrays()`; ParameterError where their shapes do not belong together."""
         self.standardisation.load(arrays)
-        self.matrix_ = np.asarray(arrays["matrix"], dtype=np.float32)
+        width = len(self.standardisation.mean_)
+        self.matrix_ = numbers(arrays, "matrix", width, width).astype(np.float32)
         return self

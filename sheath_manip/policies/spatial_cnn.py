@@ -11,7 +11,9 @@ from torch.nn import functional
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import reflected, shifted
 from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.policies.learned_arrays import numbers, require_shapes
 from sheath_manip.policies.memoryless import Memoryless
+from sheath_manip.policies.network import shapes_of
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
 from sheath_manip.protocols import Arrays
@@ -99,14 +101,15 @@ class SpatialPolicy(Memoryless):
         self.fits_ += 1
         return self
 
-    def _fresh_network(self) -> SpatialNetwork:
+    def _fresh_network(self, weights: bool = True) -> SpatialNetwork:
+        """Of the seed's first weights; without, it takes no memory and only has shapes."""
         return SpatialNetwork(
             self.spec.cameras,
             len(self.spec.feature_names),
             len(self.spec.action.names),
             self.channels,
             self.hidden,
-            torch.Generator().manual_seed(self.seed),
+            torch.Generator().manual_seed(self.seed) if weights else None,
         )
 
     def _train(
@@ -177,22 +180,24 @@ class SpatialPolicy(Memoryless):
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
         scaling = {name: arrays[name] for name in arrays if name.startswith("scaling.")}
-        state = {
-            name: torch.from_numpy(np.array(array))
-            for name, array in arrays.items()
-            if name != "fits" and name not in scaling
-        }
-        network = self._fresh_network()
+        others = scaling.keys() | {"fits"}
+        weights = {name: array for name, array in arrays.items() if name not in others}
         try:
-            network.load_state_dict(state)
-            self.scaling_.load({name.partition(".")[2]: scaling[name] for name in scaling})
-            self.fits_ = int(arrays["fits"])
-        except (RuntimeError, KeyError) as error:
+            # Before memory is taken for what the hyperparameters ask for.
+            require_shapes(weights, shapes_of(self._fresh_network(weights=False)))
+        except ParameterError as error:
             raise ParameterError(
                 f"the weights are not those of a network with channels {self.channels}, hidden "
                 f"layers {self.hidden}, cameras {sorted(self.spec.cameras)}, "
-                f"{len(self.spec.feature_names)} features and {len(self.spec.action.names)} outputs"
+                f"{len(self.spec.feature_names)} features and {len(self.spec.action.names)} "
+                f"outputs: {error}"
             ) from error
+        network = self._fresh_network()
+        network.load_state_dict(
+            {name: torch.from_numpy(np.array(array)) for name, array in weights.items()}
+        )
+        self.scaling_.load({name.partition(".")[2]: scaling[name] for name in scaling})
+        self.fits_ = int(numbers(arrays, "fits"))
         self.network_ = network.eval()
         return self
 

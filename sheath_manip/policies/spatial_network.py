@@ -35,9 +35,11 @@ class SpatialNetwork(nn.Module):
         outputs: int,
         channels: Sequence[int],
         hidden: Sequence[int],
-        generator: torch.Generator,
+        generator: torch.Generator | None,
     ) -> None:
         """Draw the first weights from `generator`; ParameterError for images that are too small.
+
+        Without a generator there are only the shapes of the weights, and no memory is taken.
 
         Args:
             cameras: (height, width) in pixels, by name.
@@ -68,6 +70,8 @@ class SpatialNetwork(nn.Module):
                 nn.Linear(inputs, units) for inputs, units in zip(widths, hidden, strict=False)
             )
             self.head = nn.Linear(widths[-1], outputs)
+        if generator is None:
+            return
         self.to_empty(device="cpu")
         for parameter in self.parameters():
             if parameter.ndim > 1:

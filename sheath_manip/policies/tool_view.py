@@ -16,6 +16,9 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import ActionSpec, TaskSpec
 from sheath_manip.types.samples import Samples
 
+MOST_SIDE_PX = 1024
+"""of the image: no memory is taken for more, whatever a checkpoint says"""
+
 
 class ToolView:
     """Translates observations and actions of a task into the tool's frame, and actions back."""
@@ -35,9 +38,10 @@ class ToolView:
                 f"task {spec.name!r} has no tool frame, from which a policy could look; "
                 "wanted one such as gauze-cutting, or the policy 'spatial-cnn'"
             )
-        if side_px < 1 or not px_m > 0:
+        if not 1 <= side_px <= MOST_SIDE_PX or not px_m > 0:
             raise ParameterError(
-                f"side_px is {side_px} and px_m {px_m}; wanted both above 0, like 64 and .0008"
+                f"side_px is {side_px} and px_m {px_m}; wanted 1 .. {MOST_SIDE_PX}, like 64, and "
+                "more than 0, like .0008"
             )
         self.frame = frame
         self.side_px = side_px

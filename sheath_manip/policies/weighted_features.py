@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
 
@@ -58,6 +59,6 @@ class WeightedFeatures:
         return {"scale": self.scale_}
 
     def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`."""
-        self.scale_ = np.asarray(arrays["scale"], dtype=np.float32)
+        """Take over `arrays()`; ParameterError for another shape."""
+        self.scale_ = numbers(arrays, "scale", None).astype(np.float32)
         return self

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Agreement, Arrays, Reader, Refits, Signal, TrainablePolicy
@@ -150,11 +151,13 @@ class JoinedSignal:
         return {**flatten(learned), **references}
 
     def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`."""
+        """Take over `arrays()`; ParameterError for references that are not sorted."""
         for name, signal in self.signals.items():
             signal.load(subtree(arrays, name))
-        references = subtree(arrays, "reference")
-        self.references_ = {
-            name: Reference.of(np.asarray(references[name], float)) for name in self.signals
-        }
+        self.references_ = {}
+        for name in self.signals:
+            scores = numbers(subtree(arrays, "reference"), name, None).astype(float)
+            if not len(scores) or (np.diff(scores) < 0).any():
+                raise ParameterError(f"reference {name!r} has {len(scores)} scores; wanted sorted")
+            self.references_[name] = Reference.of(scores)
         return self

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
@@ -64,9 +65,10 @@ class LabelledStates:
         return {**flatten({"embedding": self.embedding.arrays()}), **learned}
 
     def load(self, arrays: Arrays) -> Self:
-        """Take over `arrays()`."""
+        """Take over `arrays()`; ParameterError where their shapes do not belong together."""
         self.embedding.load(subtree(arrays, "embedding"))
-        return self._take(arrays["vectors"], arrays["labels"])
+        vectors = numbers(arrays, "vectors", None, None)
+        return self._take(vectors, numbers(arrays, "labels", len(vectors), None))
 
     def _take(self, vectors: NDArray, labels: NDArray) -> Self:
         self.vectors_ = np.asarray(vectors, np.float32)

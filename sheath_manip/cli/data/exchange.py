@@ -60,7 +60,7 @@ class ExportStore:
 
 @dataclass(frozen=True, kw_only=True)
 class ImportStore:
-    """Take in the episodes of another tool's file; those that the store holds are passed over.
+    """Take in the episodes of another tool's file, all or none; those that are held are left out.
 
     What `sheath data export` wrote comes back as it was. Of another tool's file the task, the
     control rate and the meaning of its keys must be told.
@@ -86,28 +86,35 @@ class ImportStore:
 
     def run(self, session: Session) -> int:
         """Append them, then print how many."""
-        from sheath_manip.dataset.exchange.formats import open_file
-        from sheath_manip.dataset.exchange.importing import import_episodes
+        from sheath_manip.dataset.exchange.apart import import_apart
+        from sheath_manip.dataset.exchange.formats import readable
         from sheath_manip.dataset.store import EpisodeStore
 
         origin = self._origin()
-        file = open_file(self.format, self.file)
+        # Before a store is made for it.
+        readable(self.format, self.file)
         store = EpisodeStore.create(self.store)
         with session.err.status("importing"):
-            done = import_episodes(file, store, origin)
+            done = import_apart(self.format, self.file, store, origin)
         line = f"{done.added} episodes added to {self.store}, {done.held} were there before"
         session.out.print(Text(line))
+        if not done.sealed:
+            session.remark(f"{self.file} has no digests: no bit that changed in it is noticed")
         return 0
 
     def _origin(self):
         from sheath_manip.dataset.exchange.importing import Origin
         from sheath_manip.dataset.exchange.key_map import KeyMap
+        from sheath_manip.dataset.header import LEAST_RATE_HZ, MOST_RATE_HZ, is_rate
 
         keys = KeyMap.parse(self.keys)
         if self.task is None or self.control_rate_hz is None:
             return None
-        if not 0 < self.control_rate_hz < float("inf"):
-            raise ParameterError(f"control rate {self.control_rate_hz} Hz; wanted more than 0")
+        if not is_rate(self.control_rate_hz):
+            raise ParameterError(
+                f"control rate {self.control_rate_hz} Hz; wanted {LEAST_RATE_HZ:g} .. "
+                f"{MOST_RATE_HZ:g}"
+            )
         info = EpisodeInfo(
             task=self.task,
             seed=0,

@@ -1,20 +1,18 @@
 """Writing episodes for another tool: all of it appears at once, or nothing does."""
 
-import shutil
-import uuid
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from sheath_manip.dataset.compatibility import RecordedSpec, remarks
-from sheath_manip.dataset.durable import publish, publish_file
+from sheath_manip.dataset.durable import sync_tree
 from sheath_manip.dataset.exchange.formats import writer_of
 from sheath_manip.dataset.exchange.selection import Selection, selected
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
+from sheath_manip.outputs import require_space, written_aside
 from sheath_manip.types import Outcome
 
 
@@ -26,6 +24,11 @@ class Exported:
     steps: int
     remarks: tuple[str, ...] = ()
     """what must be told of episodes that may lie together all the same"""
+
+
+ROOM = 3.0
+"""Before an episode is written, that many times its arrays must be free: robomimic holds each
+observation twice, and no compression may be counted on."""
 
 
 def export(
@@ -47,22 +50,27 @@ def export(
 
     def counted(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
         for recorded in episodes:
+            # What fails for want of room in the middle of a file may take the process with it.
+            require_space(target.parent, ROOM * _bytes_of(recorded))
             headers.append(recorded.header)
             yield recorded
             report(recorded.header.outcome)
 
-    aside = target.parent / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
     try:
-        aside.mkdir(parents=True)
-        write(aside / target.name, counted(selected(reader, selection)), selection.action)
-        (publish if (aside / target.name).is_dir() else publish_file)(aside / target.name, target)
-    except OSError as error:
-        raise StoreError(f"cannot write {target} ({error})") from error
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+        with written_aside(target, replacing=False) as aside:
+            write(aside, counted(selected(reader, selection)), selection.action)
+            if aside.is_dir():
+                sync_tree(aside)
+    except (OSError, RuntimeError) as error:
+        # HDF5 raises either where the disk is full.
+        raise StoreError(f"cannot write {target} ({error}); nothing is left of it") from error
     steps = sum(header.length for header in headers)
     told = remarks((header.info.variant, RecordedSpec.of(header)) for header in headers)
     failed = sum(header.outcome is not Outcome.SUCCESS for header in headers)
     if failed:
         told += (f"{failed} of them did not succeed; --successes leaves such episodes out",)
     return Exported(len(headers), steps, told)
+
+
+def _bytes_of(recorded: Recorded) -> int:
+    return sum(array.nbytes for array in recorded.arrays.values())

@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.registry import Registry
 
 Writer = Callable[[Path, Iterable[Recorded], ActionChoice], None]
@@ -37,6 +37,16 @@ class SaysRate(Protocol):
     @property
     def control_rate_hz(self) -> float | None:
         """Control steps a second; None where the file does not say."""
+        ...
+
+
+@runtime_checkable
+class Sealed(Protocol):
+    """A file that may hold a digest of each of its episodes."""
+
+    @property
+    def is_sealed(self) -> bool:
+        """Whether it does: then a changed bit is found."""
         ...
 
 
@@ -83,7 +93,14 @@ def open_file(name: str, path: Path) -> ForeignFile:
     Raises UnknownNameError, ParameterError where nothing is read of the format, StoreError where
     `path` is no such file, and SetupError where the format's package is not installed.
     """
+    return readable(name, path)(path)
+
+
+def readable(name: str, path: Path) -> Callable[[Path], ForeignFile]:
+    """Return what opens files of the format; raises as `open_file`, but for the file's content."""
     opened = FORMATS[name].open
     if opened is None:
         raise ParameterError(f"nothing is read of {name}; wanted a format such as robomimic")
-    return opened(path)
+    if not path.exists():
+        raise StoreError(f"wanted a file of the format {name} at {path}, found nothing")
+    return opened

@@ -11,8 +11,8 @@
 | `meta/terminated`, `meta/truncated`, `meta/success` | (E,) bool |
 
 Their readers are of zarr 2, take the arrays in `data` for as long as the last of `episode_ends`,
-and want both groups flat. The attribute `sheath` holds the header of each episode, and names the
-columns of `data/limited`.
+and want both groups flat. The attribute `sheath` holds the header and the digest of each episode,
+and names the columns of `data/limited`.
 """
 
 import shutil
@@ -26,13 +26,16 @@ import numpy as np
 import zarr
 from numcodecs import Zstd
 from numpy.typing import NDArray
-from zarr.storage import LocalStore, ZipStore
 
 from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
+from sheath_manip.dataset.exchange.limits import Limits
+from sheath_manip.dataset.exchange.plain_tree import FolderTree, PlainTree, ZipTree
+from sheath_manip.dataset.exchange.sealing import digest_of, require_digest
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
+from sheath_manip.dataset.exchange.zarr2 import Zarr2Array, read_json
 from sheath_manip.dataset.group import FRAMES_PER_CHUNK
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import layout
@@ -41,7 +44,9 @@ from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
 
 ATTRIBUTE = "sheath"
+DIGESTS = "digests"
 LIMITED = "limited"
+GROUPS = ("data", "meta")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 """The earliest that a zip can tell: the same episodes shall make the same file."""
 
@@ -59,6 +64,7 @@ def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoi
     root = zarr.create_group(folder, zarr_format=2)
     data, meta = (_Columns(root.create_group(name)) for name in ("data", "meta"))
     headers: list[Header] = []
+    digests: list[str] = []
     limited: list[NDArray | None] = []
     ends, finals = [0], defaultdict[str, list[NDArray]](list)
     for recorded in uniform(episodes):
@@ -75,6 +81,7 @@ def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoi
         finals["success"].append(np.array(header.outcome is Outcome.SUCCESS))
         ends.append(ends[-1] + header.length)
         headers.append(header)
+        digests.append(digest_of(recorded))
     meta.append("episode_ends", np.array(ends[1:], np.int64))
     for name, values in finals.items():
         meta.append(name, np.stack(values))
@@ -85,6 +92,7 @@ def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoi
         "action": action.value,
         "limits": limits,
         "episodes": [to_attributes(header) for header in headers],
+        DIGESTS: digests,
     }
 
 
@@ -146,31 +154,51 @@ class ReplayBufferFile:
         if not path.exists():
             raise StoreError(f"wanted a ReplayBuffer at {path}, found nothing")
         with one_line(path, "a ReplayBuffer"):
-            store = ZipStore(path, mode="r") if path.is_file() else LocalStore(path, read_only=True)
-            self._root = zarr.open_group(store, mode="r", zarr_format=2)
-            self._ends = np.asarray(self._array("meta", "episode_ends")[:])
-            self._keys = tuple(sorted(self._group("data").array_keys()))
-        if self._ends.ndim != 1 or np.any(np.diff(self._ends, prepend=0) < 1):
-            raise StoreError(
-                f"{path}: meta/episode_ends is {self._ends.tolist()!r:.60}; wanted ascending steps"
-            )
-        lengths = {key: self._array("data", key).shape[:1] for key in self._keys}
-        for key, length in lengths.items():
-            if self._ends.size and (not length or length[0] < self._ends[-1]):
+            self._tree: PlainTree = ZipTree(path) if path.is_file() else FolderTree(path)
+            stored = path.stat().st_size if path.is_file() else sum(self._tree.sizes.values())
+            self._limits = Limits(path, stored)
+            if read_json(self._tree, ".zgroup", self._limits).get("zarr_format") != 2:
+                raise StoreError(f"{path} is no group of zarr's format 2")
+            self._arrays = {
+                f"{group}/{name}": Zarr2Array(self._tree, f"{group}/{name}", self._limits)
+                for group, name in _array_names(self._tree)
+            }
+            self._stops = self._read_stops()
+        self._keys = tuple(sorted(key[5:] for key in self._arrays if key.startswith("data/")))
+        for key in self._keys:
+            length, *_ = self._arrays[f"data/{key}"].shape
+            if self._stops and length < self._stops[-1]:
                 raise StoreError(
-                    f"{path}: data/{key} has {length[0] if length else 'no'} steps, "
-                    f"meta/episode_ends tells of {self._ends[-1]}"
+                    f"{path}: data/{key} has {length} steps, meta/episode_ends tells of "
+                    f"{self._stops[-1]}"
                 )
+
+    def _read_stops(self) -> list[int]:
+        """The number of steps up to and with each episode."""
+        ends = self._array("meta", "episode_ends")
+        told = ends.rows(0, ends.shape[0])
+        stops = told.tolist() if told.ndim == 1 and told.dtype.kind in "iu" else None
+        if stops is None or any(b <= a for a, b in zip([0, *stops], stops, strict=False)):
+            raise StoreError(
+                f"{self.path}: meta/episode_ends is {told.tolist()!r:.60}; wanted ascending steps"
+            )
+        return stops
+
+    @property
+    def is_sealed(self) -> bool:
+        """Whether a digest tells what each episode was when it was written."""
+        ours = self._attributes().get(ATTRIBUTE)
+        return isinstance(ours, dict) and DIGESTS in ours
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
-        ours = self._root.attrs.asdict().get(ATTRIBUTE)
+        ours = self._attributes().get(ATTRIBUTE)
+        self._require_memory()
         return None if ours is None else self._ours(ours)
 
     def tracks(self) -> Iterator[Track]:
         """Each episode by the file's own keys."""
-        stops = self._ends.tolist()
-        for start, stop in zip([0, *stops], stops, strict=False):
+        for start, stop in zip([0, *self._stops], self._stops, strict=False):
             yield Track(
                 length=stop - start,
                 keys=self._keys,
@@ -178,17 +206,35 @@ class ReplayBufferFile:
                 final=lambda _: None,
             )
 
+    def _require_memory(self) -> None:
+        row_bytes = sum(array.row_bytes for array in self._arrays.values())
+        lengths = (b - a for a, b in zip([0, *self._stops], self._stops, strict=False))
+        self._limits.require_memory("the longest episode", row_bytes * max(lengths, default=0))
+
+    def _attributes(self) -> dict[str, Any]:
+        if ".zattrs" not in self._tree.sizes:
+            return {}
+        with one_line(self.path, "a ReplayBuffer"):
+            attributes = read_json(self._tree, ".zattrs", self._limits)
+        if not isinstance(attributes, dict):
+            raise StoreError(f"{self.path}: its attributes are no object")
+        return attributes
+
     def _ours(self, ours: Any) -> Iterator[Recorded]:
         with one_line(self.path, "a ReplayBuffer of sheath-manip"):
             attributes = list(ours["episodes"])
             limits = list(ours["limits"])
-        if len(attributes) != len(self._ends):
+            digests = list(ours.get(DIGESTS, [None] * len(attributes)))
+        if not len(attributes) == len(digests) == len(self._stops):
             raise StoreError(
-                f"{self.path} has {len(attributes)} headers for {len(self._ends)} episodes"
+                f"{self.path} has {len(attributes)} headers and {len(digests)} digests for "
+                f"{len(self._stops)} episodes"
             )
         self._require_whole()
-        start = 0
-        for number, (entry, stop) in enumerate(zip(attributes, self._ends.tolist(), strict=True)):
+        starts = [0, *self._stops[:-1]]
+        for number, (entry, start, stop) in enumerate(
+            zip(attributes, starts, self._stops, strict=True)
+        ):
             header = from_attributes(f"episode {number} of {self.path}", entry)
             arrays = {}
             for spec in layout(header):
@@ -200,35 +246,33 @@ class ReplayBufferFile:
                 with one_line(self.path, "the limits of every episode"):
                     columns = [limits.index(limit) for limit in header.limits]
                     arrays[LIMITED] = arrays[LIMITED][:, columns]
-            yield Recorded(header, arrays)
-            start = stop
+            recorded = Recorded(header, arrays)
+            require_digest(f"episode {number} of {self.path}", recorded, digests[number])
+            yield recorded
 
     def _require_whole(self) -> None:
-        # zarr itself would fill the gap with zeros. Others leave chunks of zeros out; we do not.
-        with one_line(self.path, "a ReplayBuffer of sheath-manip"):
-            for group in ("data", "meta"):
-                for name, array in self._group(group).arrays():
-                    if array.nchunks_initialized != array.nchunks:
-                        raise StoreError(
-                            f"{self.path}: {group}/{name} has {array.nchunks_initialized} of "
-                            f"{array.nchunks} chunks; copy or export it again"
-                        )
+        # A chunk that is missing would be filled up with zeros. Others leave chunks of zeros out;
+        # we do not.
+        for name, array in self._arrays.items():
+            if missing := array.missing():
+                raise StoreError(
+                    f"{self.path}: {missing} chunks of {name} are missing; copy or export it again"
+                )
 
     def _read(self, group: str, key: str, start: int, stop: int) -> NDArray:
-        with one_line(self.path, "a ReplayBuffer"):
-            return np.asarray(self._array(group, key)[start:stop])
+        with one_line(self.path, f"an array {group}/{key}"):
+            return self._array(group, key).rows(start, stop)
 
-    def _group(self, name: str) -> zarr.Group:
-        group = self._root[name]
-        if not isinstance(group, zarr.Group):
-            raise StoreError(f"{self.path}: {name} is no group")
-        return group
+    def _array(self, group: str, key: str) -> Zarr2Array:
+        if f"{group}/{key}" not in self._arrays:
+            raise StoreError(f"{self.path} has no array {group}/{key}")
+        return self._arrays[f"{group}/{key}"]
 
-    def _array(self, group: str, key: str) -> zarr.Array:
-        array = self._group(group)[key]
-        if not isinstance(array, zarr.Array):
-            raise StoreError(f"{self.path}: {group}/{key} is no array")
-        return array
+
+def _array_names(tree: PlainTree) -> list[tuple[str, str]]:
+    """Group and name of each array in `data` and `meta`, both flat."""
+    files = (file.split("/") for file in tree.sizes if file.endswith("/.zarray"))
+    return sorted((file[0], file[1]) for file in files if len(file) == 3 and file[0] in GROUPS)
 
 
 FORMAT = Format(write, ReplayBufferFile)

@@ -11,11 +11,13 @@
 | `NAME` | every other array of `layout`, by its name there |
 | `final_state`, `final_time_s` | after the last action |
 
-`mask/success` lists the episodes that succeeded. The attribute `sheath` of each holds its header.
+`mask/success` lists the episodes that succeeded. The attribute `sheath` of each holds its header,
+`sheath_digest` a digest of header and arrays.
 """
 
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,6 +26,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
+from sheath_manip.dataset.exchange.limits import Limits
+from sheath_manip.dataset.exchange.sealing import digest_of, require_digest
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import compatible
@@ -36,7 +40,19 @@ from sheath_manip.types import Outcome
 with needs("robomimic", "h5py"):
     import h5py
 
-ATTRIBUTE = "sheath"
+    from sheath_manip.dataset.exchange.hdf5 import (
+        attribute,
+        dataset_bytes,
+        datasets,
+        member,
+        open_file,
+        read,
+    )
+    from sheath_manip.dataset.exchange.hdf5_sink import Hdf5Sink
+
+ATTRIBUTE, DIGEST = "sheath", "sheath_digest"
+WANTED = "a robomimic HDF5 file"
+MOST_STEPS = 10**8
 _RENAMED = {"features": "obs/features", "reward": "rewards", "state": "states"}
 _FRAMES_PER_CHUNK = 8
 """robomimic reads short sequences at random, or the whole into RAM."""
@@ -44,7 +60,8 @@ _FRAMES_PER_CHUNK = 8
 
 def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
     """Write `episodes` into the HDF5 file `target`."""
-    with h5py.File(target, "w") as file:
+    sink = Hdf5Sink(target)
+    with closing(sink), h5py.File(sink, "w") as file:
         data, steps, successes = file.create_group("data"), 0, []
         for number, recorded in enumerate(compatible(episodes)):
             header = recorded.header
@@ -57,6 +74,8 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
             _write(demo, "truncated", last & header.truncated)
             demo.attrs["num_samples"] = header.length
             demo.attrs[ATTRIBUTE] = json.dumps(to_attributes(header))
+            demo.attrs[DIGEST] = digest_of(recorded)
+            sink.require_written()
             steps += header.length
             if header.outcome is Outcome.SUCCESS:
                 successes.append(f"demo_{number}".encode())
@@ -66,6 +85,7 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
                 data.attrs["env_args"] = json.dumps(environment)
         data.attrs["total"] = steps
         file.create_dataset("mask/success", data=np.array(successes, dtype="S16"))
+    sink.require_written()
 
 
 def place(path: str) -> str:
@@ -114,40 +134,40 @@ class RobomimicFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        if not path.is_file():
-            raise StoreError(f"wanted a robomimic HDF5 file at {path}, found none")
-        with one_line(path, "a robomimic HDF5 file"), h5py.File(path, "r") as file:
-            data: Any = file["data"]
+        with self._opened() as file:
+            self._limits = Limits(path, path.stat().st_size)
+            data = member(file, "data")
             self._demos = sorted(data, key=_number)
+            self._said_hz = _said_hz(data)
 
     @property
     def control_rate_hz(self) -> float | None:
         """What the environment was made with, as robosuite's are; None where none is told."""
-        with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-            told: Any = json.loads(file["data"].attrs.get("env_args", "{}"))
-            rate_hz = (told.get("env_kwargs") or {}).get("control_freq")
-            return None if rate_hz is None else float(rate_hz)
+        return self._said_hz
+
+    @property
+    def is_sealed(self) -> bool:
+        """Whether a digest tells what each episode was when it was written."""
+        return self._all_have(DIGEST)
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
-        with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-            ours = [ATTRIBUTE in _demo(file, demo).attrs for demo in self._demos]
-        return self._ours() if ours and all(ours) else None
+        return self._ours() if self._all_have(ATTRIBUTE) else None
 
     def tracks(self) -> Iterator[Track]:
         """Each episode by the file's own keys, those of observations as `obs/NAME`."""
         for demo in self._demos:
-            with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-                group, keys = _demo(file, demo), []
-                group.visititems(
-                    lambda key, item, keys=keys: (
-                        keys.append(key) if isinstance(item, h5py.Dataset) and item.shape else None
-                    )
-                )
-                length = int(group.attrs["num_samples"])
+            with self._opened(demo) as file:
+                group = self._demo(file, demo)
+                keys = self._keys(group)
+                length = attribute(group, "num_samples")
+                if isinstance(length, float | np.floating) and length == int(length):
+                    length = int(length)
+                if not isinstance(length, int | np.integer) or not 1 <= length <= MOST_STEPS:
+                    raise StoreError(f"num_samples is {length!r:.60}; wanted a number of steps")
             yield Track(
-                length=length,
-                keys=tuple(keys),
+                length=int(length),
+                keys=keys,
                 read=lambda key, demo=demo: self._read(demo, key),
                 final=lambda key, demo=demo, keys=keys: (
                     self._read(demo, f"next_{key}")[-1] if f"next_{key}" in keys else None
@@ -156,8 +176,11 @@ class RobomimicFile:
 
     def _ours(self) -> Iterator[Recorded]:
         for demo in self._demos:
-            with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-                attributes: Any = json.loads(_demo(file, demo).attrs[ATTRIBUTE])
+            with self._opened(demo) as file:
+                group = self._demo(file, demo)
+                self._keys(group)
+                attributes: Any = json.loads(attribute(group, ATTRIBUTE))
+                told = attribute(group, DIGEST) if DIGEST in group.attrs else None
             header = from_attributes(f"{demo} of {self.path}", attributes)
             arrays = {}
             for spec in layout(header):
@@ -166,25 +189,58 @@ class RobomimicFile:
                 if path == spec.path:
                     arrays[path] = self._read(demo, at)
                 elif at.startswith("obs/"):
-                    arrays[spec.path] = self._read(demo, f"next_{at}")[-1]
+                    arrays[spec.path] = self._read_last(demo, f"next_{at}")
                 else:
                     arrays[spec.path] = self._read(demo, _final(spec.path))
-            yield Recorded(header, arrays)
+            recorded = Recorded(header, arrays)
+            require_digest(f"{demo} of {self.path}", recorded, told)
+            yield recorded
+
+    def _all_have(self, name: str) -> bool:
+        with self._opened() as file:
+            have = [name in self._demo(file, demo).attrs for demo in self._demos]
+        return bool(have) and all(have)
+
+    def _keys(self, group: h5py.Group) -> tuple[str, ...]:
+        """The arrays of an episode, which must fit into memory together."""
+        sizes = {key: dataset_bytes(each) for key, each in datasets(group, self._limits)}
+        self._limits.require_memory(str(group.name), sum(sizes.values()))
+        return tuple(sorted(key for key in sizes if member(group, key).shape))
 
     def _read(self, demo: str, key: str) -> NDArray:
-        with one_line(self.path, "a robomimic HDF5 file"), h5py.File(self.path, "r") as file:
-            return np.asarray(_demo(file, demo)[key][()])
+        with self._opened(demo) as file:
+            return read(member(self._demo(file, demo), key), self._limits)
+
+    def _read_last(self, demo: str, key: str) -> NDArray:
+        with one_line(self.path, f"rows of {key} in {demo} of {WANTED}"):
+            return self._read(demo, key)[-1]
+
+    def _demo(self, file: h5py.File, demo: str) -> Any:
+        """The group of an episode."""
+        group = member(member(file, "data"), demo)
+        if not isinstance(group, h5py.Group):
+            raise StoreError(f"{demo} is no group")
+        return group
+
+    @contextmanager
+    def _opened(self, demo: str = "") -> Iterator[h5py.File]:
+        wanted = f"{demo} of {WANTED}" if demo else WANTED
+        with one_line(self.path, wanted), open_file(self.path) as file:
+            yield file
 
 
-def _demo(file: h5py.File, demo: str) -> Any:
-    """The group of an episode; untyped, since h5py cannot tell a group from a dataset."""
-    return file[f"data/{demo}"]
+def _said_hz(data: h5py.Group) -> float | None:
+    if "env_args" not in data.attrs:
+        return None
+    told = json.loads(attribute(data, "env_args"))
+    rate_hz = (told.get("env_kwargs") or {}).get("control_freq")
+    return None if rate_hz is None else float(rate_hz)
 
 
 def _number(demo: str) -> tuple[int, str]:
     """robomimic counts demo_0, demo_1, …; anything else comes after."""
     digits = demo.rpartition("_")[2]
-    return (int(digits) if digits.isdigit() else 10**9, demo)
+    return (int(digits) if digits.isdecimal() and len(digits) < 10 else 10**9, demo)
 
 
 FORMAT = Format(write, RobomimicFile)

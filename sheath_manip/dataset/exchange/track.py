@@ -31,8 +31,10 @@ def one_line(path: Path, wanted: str) -> Iterator[None]:
     """Whatever zarr, h5py and their codecs raise (they share no class) as one line."""
     try:
         yield
-    except SheathError:
-        raise
+    except SheathError as error:
+        if str(path) in str(error):
+            raise
+        raise StoreError(f"wanted {wanted} at {path}: {error}") from error
     except Exception as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise StoreError(

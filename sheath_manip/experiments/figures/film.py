@@ -9,6 +9,7 @@ from PIL import Image
 
 from sheath_manip.experiments.figures.intervention import Intervention
 from sheath_manip.experiments.figures.style import EXPERT, PALE, POLICY, limited
+from sheath_manip.outputs import written_aside
 from sheath_manip.support.calibration import REJECT_ALL
 from sheath_manip.types import Actor
 
@@ -35,16 +36,16 @@ def film(shown: Intervention, path: Path) -> None:
     palette = limited(Image.fromarray(typical), COLOURS)
     frames = [limited(Image.fromarray(picture), COLOURS, palette) for picture in drawn]
     frame_ms = round(1000 * SLOWER / shown.episode.info.control_rate_hz)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    frames[0].save(
-        path,
-        format="GIF",
-        save_all=True,
-        append_images=frames[1:],
-        duration=[frame_ms] * (len(frames) - 1) + [PAUSE_MS],
-        loop=0,
-        optimize=False,
-    )
+    with written_aside(path) as aside:
+        frames[0].save(
+            aside,
+            format="GIF",
+            save_all=True,
+            append_images=frames[1:],
+            duration=[frame_ms] * (len(frames) - 1) + [PAUSE_MS],
+            loop=0,
+            optimize=False,
+        )
 
 
 def _frame(shown: Intervention, index: int, image: NDArray[np.uint8]) -> NDArray[np.uint8]:

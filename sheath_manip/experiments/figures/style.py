@@ -12,6 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
+from sheath_manip.outputs import written_aside
+
 WIDTH_PX = 1600
 DPI = 160
 
@@ -74,11 +76,11 @@ def drawing(path: Path, height_px: int, width_px: int = WIDTH_PX) -> Iterator[Fi
         figure = Figure(figsize=(width_px / DPI, height_px / DPI), dpi=DPI, layout="constrained")
         canvas = FigureCanvasAgg(figure)
         yield figure
-        path.parent.mkdir(parents=True, exist_ok=True)
         canvas.draw()
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
         # A palette makes a third of the bytes; without metadata the same data give the same file.
-        limited(picture, 256).save(path, format="PNG", optimize=True)
+        with written_aside(path) as aside:
+            limited(picture, 256).save(aside, format="PNG", optimize=True)
 
 
 def limited(picture: Image.Image, colours: int, palette: Image.Image | None = None) -> Image.Image:

@@ -1,12 +1,12 @@
 """States beside those of the expert, made from its new episodes by the task's displacements."""
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from sheath_manip.experiments.gates.setting import Setting
+from sheath_manip.outputs import written_aside
 from sheath_manip.protocols import Report
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation
@@ -71,13 +71,8 @@ def _write(path: Path, states: Mapping[str, Samples]) -> None:
             **{f"images/{camera}": images for camera, images in samples.images.items()},
         }
         arrays |= {f"{name}|{part}": array for part, array in parts.items()}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{os.getpid()}.{path.name}")
-    with aside.open("wb") as file:
+    with written_aside(path) as aside, aside.open("wb") as file:
         np.savez(file, **arrays)
-        file.flush()
-        os.fsync(file.fileno())
-    aside.replace(path)
 
 
 def _read(path: Path) -> Mapping[str, Samples]:

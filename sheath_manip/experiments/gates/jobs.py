@@ -18,6 +18,7 @@ from sheath_manip.gates.config import planned_signal
 from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.fitting import Looks, fit_to_looks
 from sheath_manip.learning.run import LearningRun
+from sheath_manip.outputs import written_aside
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.policies.looking import look_with_displaced
@@ -111,10 +112,8 @@ class Judge:
             agrees = held_out_agreement(
                 fresh_policy, at.demonstrations(), tolerance=spec.action.tolerance
             )
-            aside = path.with_suffix(".part")
-            with aside.open("wb") as file:
+            with written_aside(path) as aside, aside.open("wb") as file:
                 np.save(file, agrees)
-            aside.replace(path)
         report("cross-fitted policies")
 
     def units(self) -> int:

@@ -18,6 +18,7 @@ from sheath_manip.experiments.figures.intervention import (
 from sheath_manip.experiments.figures.replayed import replayed
 from sheath_manip.experiments.figures.style import WIDTH_PX, limited
 from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.outputs import written_aside
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.picture import film_frame, frame, whole_stage
 from sheath_manip.tasks.platformer.stage import LEAD_TILES
@@ -80,5 +81,5 @@ def write_scene(environment: ComposerEnvironment, path: Path, width_px: int = WI
         np.zeros((4, width_px, 3), np.uint8),
         whole_stage(environment, width_px, STRIPS),
     ]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    limited(Image.fromarray(np.concatenate(pictures)), COLOURS).save(path, optimize=True)
+    with written_aside(path) as aside:
+        limited(Image.fromarray(np.concatenate(pictures)), COLOURS).save(aside, optimize=True)

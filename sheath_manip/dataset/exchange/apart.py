@@ -1,0 +1,95 @@
+"""An import in a process of its own, which a file may bring down, and nothing else with it.
+
+Memory and time are bounded where arrays are read; but the structure of an HDF5 file is parsed in C,
+by a library that asks nobody how long it may take, and packages add formats that we do not know.
+"""
+
+import json
+import pickle
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from pathlib import Path
+from typing import IO
+
+from sheath_manip.dataset.exchange.formats import open_file
+from sheath_manip.dataset.exchange.importing import Imported, Origin, import_episodes, staging_of
+from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError, SheathError, StoreError
+
+GRACE_S = 10.0
+"""for the start of the process, and for what it says itself when its time is up"""
+
+# What it imports is what this process imports, in a checkout as from a wheel.
+_CODE = """
+import sys
+sys.path[:] = sys.argv[1:]
+from sheath_manip.dataset.exchange.apart import serve
+serve(sys.stdin.buffer, sys.stdout.buffer)
+"""
+
+
+def import_apart(format: str, path: Path, store: EpisodeStore, origin: Origin | None) -> Imported:
+    """Do as `import_episodes` does with a file of `format`, in another process.
+
+    Raises what that raises, and StoreError where the process is ended by the file, or does not end
+    in the time that the file's size allows.
+    """
+    most_s = Limits(path, stored_bytes(path)).most_s + GRACE_S
+    with _process(store) as process:
+        request = pickle.dumps((format, path.absolute(), store.path.absolute(), origin))
+        try:
+            answer, _ = process.communicate(request, timeout=most_s)
+        except subprocess.TimeoutExpired as error:
+            raise StoreError(
+                f"nothing is imported: reading {path} takes longer than {most_s:.0f} s, which is "
+                "the most for a file of its size; split it"
+            ) from error
+    if not answer:
+        raise StoreError(
+            f"nothing is imported: reading {path} ended its process with code "
+            f"{process.returncode}; the file is damaged, or means harm"
+        )
+    told = json.loads(answer)
+    if "error" in told:
+        raise (ParameterError if told["parameter"] else StoreError)(told["error"])
+    return Imported(**told)
+
+
+def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
+    """Do one import, and say what came of it."""
+    format, path, store, origin = pickle.load(requests)
+    try:
+        told = asdict(import_episodes(open_file(format, path), EpisodeStore(store), origin))
+    except SheathError as error:
+        told = {"error": str(error), "parameter": isinstance(error, ParameterError)}
+    answers.write(json.dumps(told).encode())
+    answers.flush()
+
+
+@contextmanager
+def _process(store: EpisodeStore) -> Iterator[subprocess.Popen]:
+    """One that is gone at the end, with all that it had staged."""
+    # An empty entry is the working directory.
+    search_path = [entry or str(Path.cwd()) for entry in sys.path]
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-c", _CODE, *search_path],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        # What it has to say is its answer.
+        stderr=subprocess.DEVNULL,
+        # Ctrl-C is for this process.
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        with suppress(BrokenPipeError), process:
+            pass
+        for left in staging_of(store, process.pid):
+            shutil.rmtree(left, ignore_errors=True)

@@ -1,0 +1,62 @@
+"""What reading another tool's file may take, in memory and in time: in proportion to its size."""
+
+import os
+import time
+from itertools import islice
+from pathlib import Path
+
+from sheath_manip.exceptions import StoreError
+
+SLACK_BYTES = 256 << 20
+MOST_TIMES_LARGER = 200
+"""An episode may take `SLACK_BYTES` of memory, and so many times the bytes of the whole file on
+top. Black images compress better than that, and are worth nothing."""
+LEAST_S = 60.0
+LEAST_BYTES_PER_S = 1e6
+"""Reading a file may take `LEAST_S`, and the time that its bytes take at this rate on top."""
+MOST_ENTRIES = 1_000_000
+"""files of a folder, or members of an archive"""
+
+
+def stored_bytes(path: Path) -> int:
+    """Return the bytes of a file, or of all files in a folder; raises StoreError where it is none.
+
+    Nothing is followed out of a folder.
+    """
+    if not path.exists():
+        raise StoreError(f"wanted a file or a folder at {path}, found nothing")
+    if not path.is_dir():
+        return path.stat().st_size
+    files = (Path(folder, name) for folder, _, names in os.walk(path) for name in names)
+    return sum(file.lstat().st_size for file in islice(files, MOST_ENTRIES))
+
+
+class Limits:
+    """The limits of one file, or folder; the time runs from the first question on."""
+
+    def __init__(self, path: Path, stored_bytes: int) -> None:
+        """Begin for what lies at `path` and has so many bytes."""
+        self.path = path
+        self.most_bytes = SLACK_BYTES + MOST_TIMES_LARGER * stored_bytes
+        self.most_s = LEAST_S + stored_bytes / LEAST_BYTES_PER_S
+        self._until_s: float | None = None
+
+    def require_memory(self, what: str, asked_bytes: int) -> None:
+        """Raise StoreError where `what` would take more memory than it may."""
+        self.require_time()
+        if not 0 <= asked_bytes <= self.most_bytes:
+            raise StoreError(
+                f"{what} of {self.path} asks for {asked_bytes} bytes of memory; wanted at most "
+                f"{self.most_bytes} for a file of its size"
+            )
+
+    def require_time(self) -> None:
+        """Raise StoreError where reading has taken longer than it may."""
+        now_s = time.monotonic()
+        if self._until_s is None:
+            self._until_s = now_s + self.most_s
+        if now_s > self._until_s:
+            raise StoreError(
+                f"reading {self.path} takes longer than {self.most_s:.0f} s, which is the most for "
+                "a file of its size; split it"
+            )

@@ -1,0 +1,56 @@
+"""An import in a process of its own: whatever becomes of that, this one tells in a line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+
+from sheath_manip.dataset.exchange import apart
+from sheath_manip.dataset.exchange.apart import import_apart
+from sheath_manip.dataset.exchange.importing import Imported, Origin
+from sheath_manip.dataset.exchange.key_map import KeyMap
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types import EpisodeInfo, Outcome, Purpose
+
+INFO = EpisodeInfo("push", 0, Purpose.DEMONSTRATION, 10.0, method="other", variant="")
+ORIGIN = Origin(INFO, Outcome.SUCCESS, KeyMap.parse(["features=pos"]))
+STAGES = "import os; os.mkdir('{store}/.tmp-import-%d-1' % os.getpid()); "
+
+
+@pytest.fixture
+def buffer(tmp_path: Path) -> Path:
+    root = zarr.create_group(tmp_path / "b.zarr", zarr_format=2)
+    root.create_array("data/pos", data=np.zeros((4, 2)))
+    root.create_array("data/action", data=np.ones((4, 1), np.float32))
+    root.create_array("meta/episode_ends", data=np.array([2, 4]))
+    return tmp_path / "b.zarr"
+
+
+def test_it_does_as_in_this_process(buffer, store: EpisodeStore) -> None:
+    done = import_apart("replay-buffer", buffer, store, ORIGIN)
+    assert done == Imported(added=2, held=0, sealed=False)
+    assert len(store.names()) == 2
+    with pytest.raises(ParameterError, match="give --task and --control-rate-hz"):
+        import_apart("replay-buffer", buffer, store, None)
+    with pytest.raises(StoreError, match="wanted an HDF5 file"):
+        import_apart("robomimic", buffer, store, ORIGIN)
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("os.abort()", "ended its process with code -6"),
+        ("import time; time.sleep(600)", "takes longer than"),
+    ],
+)
+def test_what_ends_or_holds_up_the_process_is_told(
+    buffer, store: EpisodeStore, monkeypatch, code, message
+) -> None:
+    monkeypatch.setattr(apart, "_CODE", STAGES.format(store=store.path) + code)
+    monkeypatch.setattr(apart, "GRACE_S", 3.0 - 60.0)
+    with pytest.raises(StoreError, match=message) as caught:
+        import_apart("replay-buffer", buffer, store, ORIGIN)
+    assert "nothing is imported" in str(caught.value)
+    assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
