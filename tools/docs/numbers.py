@@ -43,6 +43,29 @@ def hits(figures: Figures, name: str = "failure_rate") -> int:
     return round(figures[name] * figures["episodes"])
 
 
+def failing_rounds(method: Figures) -> list[int]:
+    """Return the rounds of learning in which an episode failed."""
+    rounds = [each for each in method["rounds"] if each["round"] > 0]
+    return [each["round"] for each in rounds if each["executed"]["failure_rate"]]
+
+
+def takeover_s(method: Figures, control_rate_hz: float) -> str:
+    """Return how many seconds a takeover took in the mean; a dash where there were none."""
+    a_minute = takeovers_a_minute(method, control_rate_hz)
+    return f"{60 * method['overall']['expert_share'] / a_minute:.2f}" if a_minute else "–"
+
+
+def takeovers_a_minute(method: Figures, control_rate_hz: float) -> float:
+    """Return how often a minute somebody else took over from the policy, over all rounds.
+
+    Half of the changes of who acts, in rounds of equally many episodes.
+    """
+    rounds = [each for each in method["rounds"] if each["round"] > 0]
+    steps = sum(each["horizon"] for each in rounds) / len(rounds)
+    changes = method["overall"]["switches_per_episode"]
+    return changes / 2 / (steps / control_rate_hz / 60)
+
+
 def minutes(seconds: float) -> int:
     """Return a time in whole minutes."""
     return round(seconds / 60)
