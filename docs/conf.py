@@ -33,7 +33,9 @@ default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
-autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True}
+# A constructor's own docstring says what its arguments are.
+autoclass_content = "both"
 python_use_unqualified_type_names = True
 toc_object_entries_show_parents = "hide"
 
