@@ -5,6 +5,7 @@ site fetches nothing from elsewhere and can be read from a folder.
 """
 
 import os
+import re
 from typing import Any
 
 from sphinx.application import Sphinx
@@ -40,15 +41,25 @@ python_use_unqualified_type_names = True
 toc_object_entries_show_parents = "hide"
 
 
+OTHER_MARKUP = re.compile(r"`[^`]*`|[*|]|(?<=\w)_(?!\w)")
+"""what reStructuredText would take for more than a letter; backticks first, to pass over them"""
+
+
+def escaped(found: re.Match[str]) -> str:
+    """Return a letter as itself, and what stands in backticks as it is."""
+    return found.group() if len(found.group()) > 1 else f"\\{found.group()}"
+
+
 def read_sections(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
 ) -> None:
-    """Turn `Args:` and `Raises:` of a docstring into fields.
+    """Turn `Args:` and `Raises:` of a docstring into fields; backticks are its only markup.
 
     Napoleon as an extension would also take what stands before a colon in the docstring of an
     attribute for its type.
     """
     del app, name, obj, options
+    lines[:] = [OTHER_MARKUP.sub(escaped, line) for line in lines]
     if what not in ("attribute", "data", "property"):
         lines[:] = GoogleDocstring(lines, what=what).lines()
 

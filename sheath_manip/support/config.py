@@ -16,7 +16,7 @@ class SupportConfig:
     nu: float = 0.05
     """bound, 0 .. 1, on the share of training states outside the support"""
     bandwidth_factor: float = 1.0
-    """c of the RBF `exp(-|x-y|²/c)`, in units of the bandwidth unit"""
+    """c of the RBF exp(-|x-y|²/c), in units of the bandwidth unit"""
     bandwidth_unit: str = "median"
     """unit of the bandwidth: median (of the squared distances between training states) or
     dimensions (the number of features, so that 0.01 are one binary feature in a hundred)"""
