@@ -17,7 +17,7 @@ DEV_STAMP := $(VENV)/.dev-installed
 .DEFAULT_GOAL := help
 # Two recipes at once would fight over apt's lock and the venv.
 .NOTPARALLEL:
-.PHONY: help install demo test soak lint contracts types wheel-test format clean gl browser
+.PHONY: help install demo test soak docs lint contracts types wheel-test format clean gl browser
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -25,10 +25,11 @@ help: ## print this list
 install: $(DEV_STAMP) gl browser ## make .venv with everything that a developer needs
 
 demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser
-	$(BIN)/sheath experiment driving --quick --dashboard
+	@hold=; if [ -t 1 ]; then hold=--hold; echo 'The page stays open at the end, until Ctrl-C.'; fi; \
+	$(BIN)/sheath experiment driving --quick --dashboard $$hold
 
 # Fast to slow; the first that fails stops the rest.
-test: lint contracts types gl browser ## lint, import contracts, types, tests
+test: lint contracts types docs gl browser ## lint, import contracts, types, documentation, tests
 	$(PYTEST)
 
 soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, long runs, kills
@@ -47,6 +48,9 @@ contracts: $(DEV_STAMP) ## the direction of the imports
 
 types: $(DEV_STAMP) ## pyright
 	$(BIN)/pyright
+
+docs: $(DEV_STAMP) ## build the documentation's site, strictly: build/docs/index.html
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -j 2 docs build/docs
 
 wheel-test: $(DEV_STAMP) gl ## install the wheel in a venv of its own and try it; the tests do it too
 	$(TEST_ENVIRONMENT) $(BIN)/pytest -n 0 tests/wheel

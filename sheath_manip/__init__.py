@@ -13,14 +13,22 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.exceptions import SheathError
+    from sheath_manip.gates.support import SupportGate
     from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
-    from sheath_manip.protocols import Environment, Expert, Gate, Policy
+    from sheath_manip.protocols import Environment, Expert, Gate, Judge, Policy
+    from sheath_manip.support.calibration import held_out_threshold
+    from sheath_manip.support.one_class_svm import OneClassSupport
+    from sheath_manip.task import Task
     from sheath_manip.types import (
         ActionSpec,
         Episode,
         EpisodeInfo,
         GateDecision,
+        Judgement,
         Observation,
+        Outcome,
+        Proposal,
+        Purpose,
         TaskSpec,
         Transition,
     )
@@ -36,26 +44,43 @@ __all__ = [
     "Expert",
     "Gate",
     "GateDecision",
+    "Judge",
+    "Judgement",
     "Observation",
+    "OneClassSupport",
+    "Outcome",
     "Policy",
+    "Proposal",
+    "Purpose",
     "Samples",
     "SheathError",
+    "SupportGate",
+    "Task",
     "TaskSpec",
     "Transition",
+    "held_out_threshold",
     "load_checkpoint",
 ]
 
 _HOMES = {
     "dataset.store": ("EpisodeStore",),
     "exceptions": ("SheathError",),
+    "gates.support": ("SupportGate",),
     "learning.checkpoint": ("Checkpoint", "load_checkpoint"),
-    "protocols": ("Environment", "Expert", "Gate", "Policy"),
+    "protocols": ("Environment", "Expert", "Gate", "Judge", "Policy"),
+    "support.calibration": ("held_out_threshold",),
+    "support.one_class_svm": ("OneClassSupport",),
+    "task": ("Task",),
     "types": (
         "ActionSpec",
         "Episode",
         "EpisodeInfo",
         "GateDecision",
+        "Judgement",
         "Observation",
+        "Outcome",
+        "Proposal",
+        "Purpose",
         "TaskSpec",
         "Transition",
     ),

@@ -28,9 +28,26 @@ def table(summary: Mapping[str, Any], by_round: bool = False) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
+def means(method: Mapping[str, Any]) -> dict[str, float]:
+    """Return a method's means over rounds 1 and up, by term; `inside` is J/T − ξ."""
+    measured = _measured([entry for entry in method["rounds"] if entry["round"] > 0])
+    found = {term: float(np.mean([entry[term] for entry in measured])) for term in TERMS}
+    return {**found, "inside": _inside(measured)}
+
+
+def _measured(rounds: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The rounds that have all terms; where no state was labelled J is unknown."""
+    return [entry for entry in rounds if all(entry[term] is not None for term in TERMS)]
+
+
+def _inside(rounds: Sequence[Mapping[str, Any]]) -> float:
+    """The least that the loss inside the support can be, as a share of all steps."""
+    rest = [max(entry["measured"] / entry["horizon"] - entry["xi"], 0.0) for entry in rounds]
+    return float(np.mean(rest))
+
+
 def _cells(rounds: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Of the rounds that have all terms; where no state was labelled J is unknown."""
-    measured = [entry for entry in rounds if all(entry[term] is not None for term in TERMS)]
+    measured = _measured(rounds)
     numbers = [entry["round"] for entry in rounds]
     yield f"{numbers[0]}" if len(numbers) == 1 else f"{numbers[0]}–{numbers[-1]}"
     if not measured:
@@ -44,8 +61,7 @@ def _cells(rounds: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     yield f"{means['measured']:.1f}"
     held = sum(entry["measured"] <= entry["bound"] for entry in measured)
     yield f"{held} of {len(measured)}"
-    inside = [max(entry["measured"] / entry["horizon"] - entry["xi"], 0.0) for entry in measured]
-    yield f"{np.mean(inside):.3f}"
+    yield f"{_inside(measured):.3f}"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from sheath_manip.cli.examples import EXAMPLES
 from sheath_manip.cli.gl import GL_CURES, GL_LIBRARIES, GL_OFF, gl_in_force, render_time_ms
 from sheath_manip.exceptions import SetupError
 
@@ -30,6 +31,9 @@ SIMULATOR = ("mujoco", "dm_control", "mink", "daqp")
 
 WITH_TASKS = "pip install 'sheath-manip[tasks]'"
 INSTALL = f"{WITH_TASKS}, or in a checkout pip install -c constraints.txt -e '.[tasks]'"
+
+NEXT = f"{EXAMPLES['collect']}  (`sheath` alone says how it goes on)"
+AFTER_CURE = "cure what is named above, then `sheath doctor` again"
 
 CLASHES = {
     "mujoco": "MuJoCo 4 dropped flex_vertedge, which dm-control 1.0.50 reads",
@@ -50,7 +54,10 @@ class Finding:
 
 
 def report(console: Console) -> int:
-    """Print all findings, the problems with their cures; 0 where there is no problem, else 1."""
+    """Print all findings, the problems with their cures, and what to run next.
+
+    0 where there is no problem, else 1.
+    """
     with console.status("looking at this machine"):
         findings = examine()
     table = Table(box=None, pad_edge=False)
@@ -68,6 +75,7 @@ def report(console: Console) -> int:
             soft_wrap=True,
             highlight=False,
         )
+    console.print(f"\nnext: {AFTER_CURE if problems else NEXT}", soft_wrap=True, highlight=False)
     return 1 if problems else 0
 
 

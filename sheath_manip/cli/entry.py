@@ -1,5 +1,6 @@
 """Runs a verb: parses the line, and turns every foreseen error into one line and an exit code."""
 
+import inspect
 import os
 import shlex
 import sys
@@ -13,6 +14,7 @@ from sheath_manip.cli.claims import Claims
 from sheath_manip.cli.collect import Collect
 from sheath_manip.cli.data import Data
 from sheath_manip.cli.evaluate import Evaluate
+from sheath_manip.cli.examples import FIRST_STEPS, described
 from sheath_manip.cli.experiment import Experiment
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
@@ -46,13 +48,17 @@ OF_THE_MACHINE: dict[str, type[Verb]] = {
     "claims": Claims,
     "doctor": Doctor,
 }
+VERBS = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE
+"""all of `sheath`"""
 
 
 def run_command(catalog: LoadCatalog, argv: Sequence[str]) -> int:
-    """Run `sheath` with `argv`; return its exit code."""
-    verbs = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE
+    """Run `sheath` with `argv`, or say what to do first where it is empty; return its exit code."""
+    if not argv:
+        print(FIRST_STEPS, end="")
+        return OK
     about = "Robots that learn from an expert without first having to fail."
-    return _run(verbs, catalog, argv, "sheath", about)
+    return _run(VERBS, catalog, argv, "sheath", about)
 
 
 def run_task_command(catalog: LoadCatalog, task: str, argv: Sequence[str]) -> int:
@@ -71,16 +77,7 @@ def _run(
     about: str,
 ) -> int:
     try:
-        choices = [_choice(name, verb, catalog, argv) for name, verb in verbs.items()]
-        line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
-        verb: Verb = tyro.cli(
-            line,
-            args=list(argv),
-            prog=prog,
-            description=about,
-            config=(tyro.conf.FlagCreatePairsOff,),
-            registry=registry,
-        )
+        verb = read_line(verbs, catalog, argv, prog, about)
         return verb.run(Session(catalog, f"{prog} {shlex.join(argv)}".strip()))
     except BrokenPipeError:
         # Who reads has seen enough, as `head` has; what is left in the buffer goes nowhere.
@@ -94,6 +91,29 @@ def _run(
         return INTERRUPTED
 
 
+def read_line(
+    verbs: Mapping[str, type[Verb]],
+    catalog: LoadCatalog,
+    argv: Sequence[str],
+    prog: str = "sheath",
+    about: str = "",
+) -> Verb:
+    """Return the verb that `argv` asks for, with its options, and run nothing.
+
+    Prints and raises SystemExit where the line is no line of `verbs`, or wants a help.
+    """
+    choices = [_choice(name, verb, catalog, argv) for name, verb in verbs.items()]
+    line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
+    return tyro.cli(
+        line,
+        args=list(argv),
+        prog=prog,
+        description=about,
+        config=(tyro.conf.FlagCreatePairsOff,),
+        registry=registry,
+    )
+
+
 def _line(text: str) -> str:
     """One line that a terminal takes for text: names in files may hold escape sequences."""
     words = " ".join(text.split())
@@ -102,12 +122,21 @@ def _line(text: str) -> str:
 
 def _choice(name: str, verb: type[Verb], catalog: LoadCatalog, argv: Sequence[str]) -> Any:
     """What tyro is told of a verb; its defaults follow the line where the line is of this verb."""
-    if not (list(argv[:1]) == [name] and issubclass(verb, Planned)):
-        return Annotated[verb, tyro.conf.subcommand(name, prefix_name=False)]
-    wanted, before = verb_for(verb, catalog, argv[1:])
-    if before is None:
-        return Annotated[wanted, tyro.conf.subcommand(name, prefix_name=False)]
-    return Annotated[wanted, tyro.conf.subcommand(name, default=before, prefix_name=False)]
+    words = inspect.getdoc(verb) or ""
+    if list(argv[:1]) != [name]:
+        # In the list of all verbs a sentence each is enough.
+        brief = " ".join(words.split("\n\n")[0].split())
+        return Annotated[verb, _subcommand(name, description=brief)]
+    options: dict[str, Any] = {"description": described(name, words)}
+    if issubclass(verb, Planned):
+        verb, before = verb_for(verb, catalog, argv[1:])
+        if before is not None:
+            options["default"] = before
+    return Annotated[verb, _subcommand(name, **options)]
+
+
+def _subcommand(name: str, **options: Any) -> Any:
+    return tyro.conf.subcommand(name, prefix_name=False, **options)
 
 
 def _bound(verb: type[Verb], task: str) -> type[Verb]:

@@ -1,0 +1,105 @@
+"""The fenced blocks of a page, and how they are run."""
+
+import io
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+from markdown_it import MarkdownIt
+
+ROOT = Path(__file__).parents[2]
+PAGES = {
+    path.relative_to(ROOT).as_posix(): path
+    for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+}
+NOT_RUN = {
+    r"make ": "CI runs `make test`; tests/cli/test_cli_first_steps.py has `make demo`",
+    r"\. \.venv/bin/activate": "the tests run in that environment already",
+    r"pip wheel": "tests/wheel",
+    r"export AWS_|.*s3://": "wants a server: tests/dataset/test_remote.py has one",
+    r"sheath data import (pusht|low_dim)": "files of other projects; "
+    "tests/dataset/exchange has such files",
+    r"sheath (run|learn|teleop) .*(--expert person|by-hand)": "waits for a person: tests/cockpit",
+    r"sheath replay \S+$": "serves a page until Ctrl-C: tests/dashboard",
+    r"sheath experiment": "takes an hour: tests/experiments",
+    r"sheath learn slide": "tests/test_guest_package.py installs that package and learns its task",
+}
+"""shell lines, by their beginning, that no test runs as they stand, and why"""
+SECONDS = 400
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page."""
+
+    page: str
+    line: int
+    """where it begins, from 1"""
+    language: str
+    text: str
+    prints: str | None = None
+    """of Python, what the `text` block that follows at once says that it prints"""
+
+
+def blocks(page: str) -> list[Block]:
+    """Return the fenced blocks of a page; an indented one, which names no language, is an error."""
+    tokens = MarkdownIt().parse(PAGES[page].read_text())
+    found = []
+    for number, token in enumerate(tokens):
+        assert token.type != "code_block", f"{page}: a block without a fence: {token.content}"
+        if token.type != "fence":
+            continue
+        assert token.map
+        after = tokens[number + 1] if number + 1 < len(tokens) else None
+        told = after is not None and after.type == "fence" and after.info == "text"
+        prints = after.content if after is not None and told and token.info == "python" else None
+        found.append(Block(page, token.map[0] + 1, token.info, token.content, prints))
+    return found
+
+
+def shell_lines(block: Block) -> Iterator[str]:
+    """Yield a block's commands, each on one line and without its comment."""
+    for line in block.text.replace("\\\n", " ").splitlines():
+        command = " ".join(re.sub(r"\s#.*", "", line).split())
+        if command and not command.startswith("#"):
+            yield command
+
+
+def reason_not_to_run(command: str) -> str | None:
+    """Return why no test runs this command; None where one does."""
+    return next((why for start, why in NOT_RUN.items() if re.match(start, command)), None)
+
+
+def run_shell(block: Block, place: Path) -> None:
+    """Run a block's commands in `place`, but for those that are not to be run."""
+    path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
+    for command in shell_lines(block):
+        if reason_not_to_run(command):
+            continue
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=place,
+            env=os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+            timeout=SECONDS,
+            check=False,
+        )
+        said = f"{block.page}:{block.line}: {command}\n{done.stdout}{done.stderr}"
+        assert done.returncode == 0, said
+
+
+def run_python(block: Block, names: dict[str, object]) -> None:
+    """Run a Python block in `names`, which hold what the page's earlier ones named."""
+    code = compile(block.text, f"{block.page}:{block.line}", "exec")
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        exec(code, names)
+    if block.prints is not None:
+        said = printed.getvalue()
+        assert said == block.prints, f"{block.page}:{block.line} printed {said!r}"

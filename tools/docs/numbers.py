@@ -1,0 +1,85 @@
+"""Numbers of a result as a page shows them: rates, means and differences, each with its interval.
+
+What they are given are parts of a `summary.json`; a number that the summary lacks is an error.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Figures = Mapping[str, Any]
+
+
+def percent(share: float, digits: int = 0) -> str:
+    """Return a share as `14 %`; without decimals where they say nothing."""
+    return f"{_short(100 * share, digits)} %"
+
+
+def rate(figures: Figures, name: str = "failure_rate") -> str:
+    """Return a rate and its 95 % interval: `10.4 % (7–16)`, `0.5 % (0.1–2.9)`."""
+    return with_interval(100 * figures[name], [100 * end for end in figures["ci95"][name]], " %")
+
+
+def with_interval(value: float, ci95: Sequence[float], unit: str = "") -> str:
+    """Return a value with its unit and the ends of its interval, which have fewer decimals."""
+    low, high = ci95
+    digits = 1 if high < 10 else 0
+    return f"{_short(value, 1)}{unit} ({_short(low, digits)}–{_short(high, digits)})"
+
+
+def mean(figures: Figures, metric: str, digits: int = 2) -> str:
+    """Return the mean of a metric and its 95 % interval: `2.79 (2.64–2.94)`."""
+    low, high = figures["ci95"][metric]
+    return f"{figures['metric'][metric]:.{digits}f} ({low:.{digits}f}–{high:.{digits}f})"
+
+
+def more(difference: Figures) -> str:
+    """Return a difference of two means and its 95 % interval: `+9 (−1 … +20)`."""
+    low, high = (_signed(end) for end in difference["ci95"])
+    return f"{_signed(difference['mean'])} ({low} … {high})"
+
+
+def hits(figures: Figures, name: str = "failure_rate") -> int:
+    """Return in how many of its episodes a rate was met."""
+    return round(figures[name] * figures["episodes"])
+
+
+def failing_rounds(method: Figures) -> list[int]:
+    """Return the rounds of learning in which an episode failed."""
+    rounds = [each for each in method["rounds"] if each["round"] > 0]
+    return [each["round"] for each in rounds if each["executed"]["failure_rate"]]
+
+
+def takeover_s(method: Figures, control_rate_hz: float) -> str:
+    """Return how many seconds a takeover took in the mean; a dash where there were none."""
+    a_minute = takeovers_a_minute(method, control_rate_hz)
+    return f"{60 * method['overall']['expert_share'] / a_minute:.2f}" if a_minute else "–"
+
+
+def takeovers_a_minute(method: Figures, control_rate_hz: float) -> float:
+    """Return how often a minute somebody else took over from the policy, over all rounds.
+
+    Half of the changes of who acts, in rounds of equally many episodes.
+    """
+    rounds = [each for each in method["rounds"] if each["round"] > 0]
+    steps = sum(each["horizon"] for each in rounds) / len(rounds)
+    changes = method["overall"]["switches_per_episode"]
+    return changes / 2 / (steps / control_rate_hz / 60)
+
+
+def minutes(seconds: float) -> int:
+    """Return a time in whole minutes."""
+    return round(seconds / 60)
+
+
+def auroc(value: float) -> str:
+    """Return an area under a ROC curve without its leading zero: `.994`."""
+    return f"{value:.3f}".removeprefix("0")
+
+
+def _short(value: float, digits: int) -> str:
+    # Adding 0 makes of -0.0 a 0.0.
+    return f"{round(value, digits) + 0:.{digits}f}".removesuffix(".0")
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.0f}".replace("-", "−")
