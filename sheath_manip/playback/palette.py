@@ -98,3 +98,19 @@ def turn(actor: Actor, reason: Reason) -> Rgb:
 def css(rgb: Rgb) -> str:
     """`rgb` as a page writes it."""
     return f"#{rgb[0]:02x}{rgb[1]:02x}{rgb[2]:02x}"
+
+
+def readable_on(rgb: Rgb) -> Rgb:
+    """Return white or ink for letters on `rgb`, whichever stands out more (WCAG 2.2)."""
+    white, ink = (_contrast(rgb, letters) for letters in ((255, 255, 255), INK))
+    return (255, 255, 255) if white >= ink else INK
+
+
+def _contrast(one: Rgb, other: Rgb) -> float:
+    light, dark = sorted((_luminance(one), _luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def _luminance(rgb: Rgb) -> float:
+    red, green, blue = (channel / 255 for channel in linear(rgb))
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue

@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from sheath_manip.playback import palette
+from sheath_manip.playback.gif import limited
 from sheath_manip.types import Actor
 
 WIDTH_PX = 1600
@@ -75,13 +76,6 @@ def drawing(path: Path, height_px: int, width_px: int = WIDTH_PX) -> Iterator[Fi
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
         # A palette makes a third of the bytes; without metadata the same data give the same file.
         limited(picture, 256).save(path, format="PNG", optimize=True)
-
-
-def limited(picture: Image.Image, colours: int, palette: Image.Image | None = None) -> Image.Image:
-    """`picture` in its own best `colours`, or in those of `palette`."""
-    # Coverage keeps what is small and bright, such as a car; k-means then what is large.
-    method, refinements = Image.Quantize.MAXCOVERAGE, 3
-    return picture.quantize(colours, method, refinements, palette, Image.Dither.NONE)
 
 
 def drawn_methods(methods: Iterable[str]) -> list[str]:
