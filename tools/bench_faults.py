@@ -2,7 +2,7 @@
 
     python -m tools.bench_faults [--section NAME ...] [--quick] [--results DIRECTORY]
 
-writes bench-faults.json, {section: {kind: {"tried": n, "survived": n, "told": n}}}, which
+writes faults.json, {section: {kind: {"tried": n, "survived": n, "told": n}}}, which
 docs/reliability.md shows. A section that is not asked for keeps the counts that stand in the file.
 Exits with 1 where a case was not survived, or not told of.
 """
@@ -45,7 +45,7 @@ def table(counts: Mapping[str, Count]) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the sections, print a table each, write bench-faults.json; return the exit code."""
+    """Run the sections, print a table each, write faults.json; return the exit code."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="a few of each kind")
     parser.add_argument("--results", type=Path, default=Path("results"), help="directory")
     options = parser.parse_args(arguments)
-    path = options.results / "bench-faults.json"
+    path = options.results / "faults.json"
     written = json.loads(path.read_text()) if path.exists() else {}
     clean = True
     for name in options.section:

@@ -255,23 +255,24 @@ def _interrupt():
 
 
 @pytest.mark.parametrize(
-    ("trouble", "code", "said"),
+    ("trouble", "code", "said", "cut_short"),
     [
-        (lambda: np.array([np.nan], np.float32), 2, "action is not finite"),
-        (_interrupt, 130, "interrupted; what was recorded is kept"),
+        (lambda: np.array([np.nan], np.float32), 2, "action is not finite", 1),
+        (_interrupt, 130, "interrupted; what was recorded is kept", 0),
     ],
 )
-def test_trouble_on_the_way_loses_nothing(capsys, sheath, tmp_path, trouble, code, said):
+def test_trouble_on_the_way_loses_nothing(capsys, sheath, tmp_path, trouble, code, said, cut_short):
     store = tmp_path / "store"
     argv = ["collect", "corridor", "--store", str(store), "--episodes", "4"]
     assert run_command(_failing(30, trouble), argv) == code
     err = capsys.readouterr().err
     assert said in err
     assert err.count("\n") == 1
-    assert len(EpisodeStore(store).names()) == 2
+    # An attempt that an expert cut short is kept, under a name of its own.
+    assert len(EpisodeStore(store).names()) == 2 + cut_short
     assert sheath("data", "check", store)[0] == 0
     assert sheath(*argv)[0] == 0
-    assert len(EpisodeStore(store).names()) == 4
+    assert len(EpisodeStore(store).names()) == 4 + cut_short
 
 
 def test_interrupt_is_how_the_dashboard_ends(capsys):
