@@ -9,6 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from typing import Any, Protocol, TypeVar
 
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.interrupts import deaf_children
 from sheath_manip.rollout.threads import single_threaded
 
 
@@ -110,12 +111,18 @@ def _run_in_processes(
     drain = threading.Thread(target=_drain, args=(reports, report, stop), daemon=True)
     drain.start()
     pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
+
+    def submitted(jobs: Sequence[AnyJob]) -> set[Future[AnyJob]]:
+        # Which starts a process, while there are not so many.
+        with deaf_children():
+            return {pool.submit(_run_job, job) for job in jobs}
+
     try:
-        pending: set[Future[AnyJob]] = {pool.submit(_run_job, job) for job in jobs}
+        pending = submitted(jobs)
         while pending:
             finished, pending = wait(pending, return_when=FIRST_COMPLETED)
             for future in finished:
-                pending |= {pool.submit(_run_job, job) for job in following(future.result())}
+                pending |= submitted(following(future.result()))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():

@@ -11,6 +11,7 @@ from multiprocessing.context import SpawnProcess
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.exceptions import ParameterError, WorkerError
+from sheath_manip.rollout.interrupts import deaf_children
 from sheath_manip.rollout.worker import Answer, Errand, serve
 
 MOST_TRIES = 3
@@ -157,7 +158,8 @@ class Crowd:
     def _hire(self) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=serve, args=(theirs,), daemon=True)
-        process.start()
+        with deaf_children():
+            process.start()
         theirs.close()
         worker = _Worker(process, ours)
         self._hired.append(worker)
