@@ -75,6 +75,7 @@ class Run:
         if self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
         from sheath_manip.cli.adjusting import adjusted
+        from sheath_manip.cockpit.start import UntilReady
 
         checkpoint = self._checkpoint(task, session)
         with session.err.status("reading"):
@@ -83,7 +84,9 @@ class Run:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
             driver = crew.driver(adjusting.driver)
-            return self._run(crew.operated(), session, checkpoint, driver, crew.listeners)
+            page, *others = crew.listeners
+            listeners = (page, UntilReady(crew.cockpit), *others)
+            return self._run(crew.operated(), session, checkpoint, driver, listeners)
 
     def _checkpoint(self, task: Task, session: Session) -> "Checkpoint":
         from sheath_manip.cli.episodes import opened

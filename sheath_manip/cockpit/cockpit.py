@@ -1,5 +1,6 @@
 """What page and control loop share: who is at the page changes it, the loop looks at each step."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -57,6 +58,7 @@ class Cockpit:
         self._clock = clock
         self._news = threading.Condition()
         self._standing = Standing(operated=bool(guide))
+        self._idle_since_s: float | None = None
         self._axes: tuple[float, SixAxes] | None = None
         self._acting = State(operated=bool(guide), fallback=fallback)
         """the loop's part of what the page shows: turn, asking, left_s"""
@@ -74,7 +76,7 @@ class Cockpit:
     @property
     def state(self) -> State:
         """The cockpit as it is now."""
-        standing = self._seen()
+        standing, idle = self._seen(), self._idle_since_s
         return replace(
             self._acting,
             paused=standing.paused,
@@ -83,6 +85,8 @@ class Cockpit:
             stops=standing.stops,
             taken=standing.taken,
             abandoned=standing.abandoned,
+            unready=standing.unready,
+            idle_s=None if idle is None else int(self._clock() - idle),
             operator=standing.lease.holder,
         )
 
@@ -173,6 +177,18 @@ class Cockpit:
         self.gated = False
         self.give_turn(Actor.POLICY)
 
+    def note_episode(self, runs: bool) -> None:
+        """Take note of whether an episode runs: between two of them the program does other work."""
+        self._idle_since_s = None if runs else self._clock()
+
+    def await_ready(self) -> None:
+        """Wait until a person takes over or lets the policy begin, or until the page is gone."""
+        self._follow(lambda standing: replace(standing, unready=True, abandoned=True))
+        while (now := self.now()).abandoned and not now.closed:
+            self.give_turn(Actor.HOLD, asking=True, left_s=math.inf, still=True)
+            self.rest()
+        self._follow(lambda standing: replace(standing, unready=False))
+
     @property
     def ending(self) -> Ending | None:
         """How the person ends the episode, once it was said."""
@@ -220,6 +236,7 @@ class Cockpit:
             standing.halted,
             standing.ending,
             standing.closed,
+            standing.lease.touched,
         )
 
     def give_turn(

@@ -78,7 +78,7 @@ class PersonGate:
         while turn is Actor.HOLD and not self.can_hold and now.ending is None:
             require_attended(now)
             rested_s = self.cockpit.rest()
-            self._waited_s += rested_s * (reason is Reason.WAITING)
+            self._waited_s += rested_s * (reason is Reason.WAITING and not self.cockpit.paused)
             now = self.cockpit.now()
             turn, reason = self._turn(wanted, now)
         self._waited_s += self._period_s * (reason is Reason.WAITING)
@@ -102,7 +102,9 @@ class PersonGate:
         if now.must_hold:
             return Actor.HOLD, Reason.EMERGENCY_STOP if now.halted else Reason.WAITING
         if now.input is not None:
-            if now.input.held or not self.dead_man:
+            # Without a dead-man, too, a turn begins with the first key: who has just taken over
+            # a car has not got hold of anything yet.
+            if now.input.held or (now.touched and not self.dead_man):
                 return Actor.OPERATOR, Reason.PERSON
             return Actor.HOLD, Reason.IDLE
         if wanted.actor is Actor.POLICY:

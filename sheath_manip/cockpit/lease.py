@@ -28,6 +28,8 @@ class Lease:
     """when it was last heard of, by the cockpit's clock"""
     input: OperatorInput | None = None
     """what its devices said then; None after a silence that it must break"""
+    touched: bool = False
+    """whether it has held anything in this turn: before that even a car stands"""
     goal: NDArray[np.float64] | None = None
     """(7,) where it drags the gizmo to, None while it does not"""
 
@@ -38,7 +40,12 @@ class Lease:
 
     def heard(self, operator_input: OperatorInput, at_s: float) -> Self:
         """A sign of life, of `at_s`."""
-        return replace(self, input=operator_input, beat_s=at_s)
+        touched = self.touched or operator_input.held
+        return replace(self, input=operator_input, beat_s=at_s, touched=touched)
+
+    def untouched(self) -> Self:
+        """A new turn of the same one, who has held nothing in it yet."""
+        return replace(self, touched=False)
 
     def silenced(self) -> Self:
         """Hold nothing until it is heard again; the right to drive goes on for a while."""

@@ -25,6 +25,8 @@ class Standing:
     lease: Lease = NOBODY
     abandoned: bool = False
     """whether who drove was lost or stopped, and nobody has said since who goes on"""
+    unready: bool = False
+    """whether the run waits for a person before it begins"""
     stops: int = 0
     """emergency stops so far; the newest one has this number"""
     cleared: int = 0
@@ -66,6 +68,8 @@ class Now:
     """whether nothing may move: stopped, or reset and not yet resumed"""
     ending: Ending | None = None
     closed: bool = False
+    touched: bool = False
+    """whether who drives has held anything since it took over, or since the episode began"""
 
     @property
     def must_hold(self) -> bool:

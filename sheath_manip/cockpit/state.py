@@ -20,6 +20,10 @@ class State:
     taken: bool = False
     abandoned: bool = False
     """whether who drove was lost or stopped: the robot holds until somebody says who goes on"""
+    unready: bool = False
+    """whether the run waits for a person before it begins"""
+    idle_s: int | None = None
+    """since the last episode ended; None while one runs, and before the first"""
     turn: Actor = Actor.POLICY
     asking: bool = False
     """whether the robot waits for a person"""

@@ -140,5 +140,5 @@ def let_on(standing: Standing) -> Standing | None:
 
 
 def begun(standing: Standing) -> Standing:
-    """A new episode; who drives drives on, and who is lost or stopped stays so."""
-    return replace(standing, ending=None)
+    """A new episode; who drives goes on with the next key, and who is lost or stopped stays so."""
+    return replace(standing, ending=None, lease=standing.lease.untouched())

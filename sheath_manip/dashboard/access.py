@@ -54,9 +54,13 @@ class AccessControl:
         path, _, query = request.path.partition("?")
         if path == "/" and self._is_token(query):
             return self._welcome()
-        # A query is never passed on: viser's page would take even another server from it.
-        passed = bool(self.inside(request)) and self._has_cookie(request.headers)
-        return None if passed else _unauthorized()
+        if not self._has_cookie(request.headers):
+            return _unauthorized()
+        if _equal(path.rstrip("/"), self.path) and "?" in request.path:
+            # Never passed on: viser's page would take even another server from it, and writes its
+            # own there itself. Who loads that anew gets to the bare page.
+            return _unauthorized() if "Upgrade" in request.headers else self._welcome()
+        return None if self.inside(request) else _unauthorized()
 
     def inside(self, request: Request) -> str:
         """Return the path below the one that nobody can guess; empty for any other."""
@@ -99,7 +103,7 @@ class AccessControl:
         # A page of its own and not a redirect: a browser withholds a SameSite=Strict cookie on a
         # redirect that follows a link on another site. It also takes the token out of the history.
         page = (
-            f'<!doctype html><title>sheath</title><script>location.replace("{self.path}/")</script>'
+            f'<!doctype html><title>sheath</title><script>location.replace("{self.path}")</script>'
         )
         cookie = f"{COOKIE}={self.cookie}; Path={self.path}; HttpOnly; SameSite=Strict"
         return _response(HTTPStatus.OK, page, **{"Set-Cookie": cookie})

@@ -96,6 +96,7 @@ class Dashboard:
         """Show the new episode's scene; blocks while the person holds the run paused."""
         self._film = Film(info, tuple(environment.scene()), environment.pose())
         self._playhead.load(self._film)
+        self.cockpit.note_episode(runs=True)
         # Else a run that was paused, or stopped and reset, between two episodes would begin.
         self.cockpit.wait()
 
@@ -113,6 +114,7 @@ class Dashboard:
             self._film.end(episode)
             share = Share.of(self._film.trace.so_far())
             self._tally.end(episode.info, share, episode.outcome)
+        self.cockpit.note_episode(runs=False)
         self._drawer.wake()
 
     def pause(self) -> None:

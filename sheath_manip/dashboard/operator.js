@@ -1,10 +1,13 @@
 function (settings) {
   // Sent to each page by the server. Runs again where viser's own connection was lost and is back.
   window.sheathOperator?.close();
+  // viser's own addition to the address, which tells nothing new.
+  if (location.search) history.replaceState(null, "", location.pathname);
 
-  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000;
-  const codes = new Set(settings.codes), held = new Set(), caught = new Set();
-  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null, sawMark = 0;
+  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000, silentMs = 2000, frozenMs = 3000;
+  const codes = new Set(settings.codes), held = new Map(), caught = new Set();
+  let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null;
+  let sawMark = 0, heardMs = Date.now(), otherRun = false, finished = false, padSays = "";
 
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
@@ -21,21 +24,49 @@ function (settings) {
   // With the number of the newest stop that was shown: a reset clears no other one.
   const order = (name) => send({ order: name, ...(state.stops != null && { seen: state.stops }) });
 
+  const here = `${location.host}${location.pathname.replace(/\/$/, "")}`;
+
   function connect() {
-    if (closed) return;
+    if (closed || otherRun || finished) return;
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    socket = new WebSocket(`${scheme}://${location.host}${location.pathname.replace(/\/$/, "")}${settings.path}`);
+    socket = new WebSocket(`${scheme}://${here}${settings.path}`);
     socket.onopen = () => { send({ station: settings.station }); lastSent = ""; look(); };
-    socket.onmessage = (event) => { state = JSON.parse(event.data); show(); };
-    socket.onclose = () => { state = {}; show(); if (!closed) setTimeout(connect, retryMs); };
+    socket.onmessage = (event) => {
+      state = JSON.parse(event.data);
+      finished ||= Boolean(state.finished);
+      heardMs = Date.now();
+      show();
+    };
+    socket.onclose = async () => {
+      held.clear();
+      state = {};
+      show();
+      if (closed || finished) return;
+      // Another run at this address knows neither this page's path nor its cookie.
+      otherRun = await fetch(location.pathname).then((answer) => answer.status === 401, () => false);
+      show();
+      setTimeout(connect, retryMs);
+    };
   }
 
+  // A pad whose buttons lie elsewhere would drive by itself; one that says nothing new has frozen.
   function pad() {
-    const found = [...(navigator.getGamepads?.() ?? [])].find((each) => each?.connected);
+    const there = [...(navigator.getGamepads?.() ?? [])].filter((each) => each?.connected);
+    const known = there.filter((each) => each.mapping === "standard");
+    const found = known.sort((one, other) => other.timestamp - one.timestamp)[0];
+    const strange = there.filter((each) => each.mapping !== "standard");
+    const unheard = strange.length && (!found || strange.some((each) => each.buttons.some((it) => it.pressed)));
+    padSays = unheard ? "This gamepad's layout is unknown, so it does not drive." : "";
     if (!found) return null;
     const axis = (n) => Math.max(-1, Math.min(1, Math.round(1000 * (found.axes[n] ?? 0)) / 1000));
+    const axes = [0, 1, 2, 3].map(axis);
     const buttons = found.buttons.flatMap((each, n) => (each.pressed && n < 32 ? [n] : []));
-    return { axes: [0, 1, 2, 3].map(axis), buttons };
+    const moved = buttons.length || axes.some((each) => Math.abs(each) > 0.2);
+    if (moved && performance.now() - found.timestamp > frozenMs) {
+      padSays = "The gamepad says nothing new, so it does not drive: move it.";
+      return null;
+    }
+    return { axes, buttons };
   }
 
   // What is held is sent on change and again and again: the server takes silence for letting go.
@@ -46,8 +77,10 @@ function (settings) {
     // The clock that is sent may have stood still meanwhile, and a new connection compares it anew;
     // the right to drive is lost by then in any case.
     if (slept) { held.clear(); socket?.close(); return; }
-    if (!state.operated) return;
-    const now = { keys: [...held].sort(), pad: pad() }, said = JSON.stringify(now);
+    show();
+    // A page that nobody sees says nothing, and so the robot holds, whatever a car would do.
+    if (!state.operated || document.hidden) return;
+    const now = { keys: [...new Set(held.values())].sort(), pad: pad() }, said = JSON.stringify(now);
     if (said === lastSent && performance.now() - sentMs < sendEveryMs) return;
     lastSent = said;
     sentMs = performance.now();
@@ -57,8 +90,18 @@ function (settings) {
   const typing = (target) =>
     target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
 
+  // By the letter that is printed on the key, as the labels say it, wherever the layout has it; where
+  // it is none of these letters (Cyrillic, a dead key), by its place on an American keyboard.
+  const names = { " ": "Space", ".": "Period", ",": "Comma" };
+  function meaning(event) {
+    if (/^[a-z]$/i.test(event.key)) return `Key${event.key.toUpperCase()}`;
+    return names[event.key] ?? event.code;
+  }
+
   function down(event) {
-    const hotkey = settings.hotkeys[event.code], moves = state.operated && codes.has(event.code);
+    // macOS tells of no key's release while Cmd is held.
+    if (event.metaKey || event.key === "Meta") letGo();
+    const name = meaning(event), hotkey = settings.hotkeys[name], moves = state.operated && codes.has(name);
     if (!hotkey && !moves) return;
     // Wherever the focus is: who wants to stop the robot does not look where that is.
     const stops = hotkey === "emergency-stop";
@@ -70,9 +113,10 @@ function (settings) {
     caught.add(event.code);
     if (event.repeat) return;
     if (hotkey) order(hotkey);
-    else { held.add(event.code); look(); }
+    else { held.set(event.code, name); look(); }
   }
   function up(event) {
+    if (event.key === "Meta") letGo();
     if (held.delete(event.code)) look();
     if (!caught.delete(event.code)) return;
     event.preventDefault();
@@ -82,30 +126,52 @@ function (settings) {
   function letGo() { held.clear(); look(); }
   const hidden = () => { if (document.hidden) letGo(); };
 
-  function show() {
-    const say = (text, colour) => {
-      banner.style.display = text ? "block" : "none";
-      banner.style.background = colour;
-      banner.textContent = text;
-    };
+  const RED = "#be1e2d", AMBER = "#b34f00", GREEN = "#007a5a", GREY = "#5c626a";
+  function words() {
+    if (finished) return ["FINISHED. The run has ended; what you see is its last moment.", GREY];
+    if (otherRun) return ["ANOTHER RUN is at this address now. Open the address that it printed.", RED];
+    if (Date.now() - heardMs > silentMs)
+      return ["CONNECTION LOST. What you see is the past; trying again. Whoever drove here, the robot holds.", RED];
     const wait = state.left_s == null ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
     const alone = state.asking && !state.mine && !state.others;
-    const paused = state.paused ? " Paused: P resumes." : "";
-    if (state.stopped) say("EMERGENCY STOP. R resets it.", "#be1e2d");
-    else if (state.abandoned)
-      say(`The robot holds, since nobody drives any longer. T takes over, H lets the policy go on.${paused}`, "#d55e00");
-    else if (alone && state.turn === "fallback")
-      say(`Nobody came, so the ${state.fallback} acts. Take over with T.${paused}`, "#d55e00");
-    else if (alone) say(`The robot holds and asks for you: take over with T.${wait}${paused}`, "#d55e00");
-    else if (state.others) say(`Another page drives; you watch. Space stops the robot.${paused}`, "#6e747c");
-    else if (state.mine && state.turn !== "operator")
-      say(`You have taken over; the robot holds until you move it. H hands back.${paused}`, "#008764");
-    else if (state.mine) say(`You drive. H hands back, Space stops.${paused}`, "#008764");
-    else say(paused.trim(), "#6e747c");
+    const old = state.picture_s ? ` The picture is ${state.picture_s} s old.` : "";
+    const more = `${state.paused ? " Paused: P resumes." : ""}${old}`;
+    const device = padSays && state.mine ? ` ${padSays}` : "";
+    if (state.stopped) return [`EMERGENCY STOP. R resets it.${old}`, RED];
+    if (state.mine && state.too_old)
+      return [`THE PICTURE IS ${state.picture_s} s OLD, so the robot holds until it is young again.${more}`, AMBER];
+    if (state.unready)
+      return [`WAITING FOR YOU. H lets the policy begin, T begins with you at the wheel.${more}`, AMBER];
+    if (state.abandoned)
+      return [`The robot holds, since nobody drives any longer. T takes over, H lets the policy go on.${more}`, AMBER];
+    if (alone && state.turn === "fallback")
+      return [`Nobody came, so the ${state.fallback} acts. Take over with T.${more}`, AMBER];
+    if (alone) return [`The robot holds and asks for you: take over with T.${wait}${more}`, AMBER];
+    if (state.others) return [`Another page drives; you watch. Space stops the robot.${more}`, GREY];
+    if (state.mine && state.turn !== "operator")
+      return [`You have taken over; the robot holds until you move it. H hands back.${more}${device}`, GREEN];
+    if (state.mine) return [`You drive. H hands back, Space stops.${more}${device}`, GREEN];
+    if (state.paused) return [`PAUSED. P resumes, . does one step.${old}`, GREY];
+    if (state.idle_s > 1)
+      return [`BETWEEN EPISODES for ${state.idle_s} s: the program fits or measures, and the robot stands.${old}`, GREY];
+    return [state.too_old ? old.trim() : "", AMBER];
+  }
+
+  const flags = [["STOP", "■"], ["asks", "▲"], ["WAITING", "▲"], ["LOST", "✕"], ["PAUSED", "‖"], ["FINISHED", "✓"]];
+  let shown = "";
+  function show() {
+    const [text, colour] = words();
+    if (text + colour === shown) return;
+    shown = text + colour;
+    banner.style.display = text ? "block" : "none";
+    banner.style.background = colour;
+    banner.textContent = text;
+    const flag = flags.find(([word]) => text.includes(word));
+    document.title = `${flag ? `${flag[1]} ` : ""}${settings.title}`;
   }
 
   function beep() {
-    if (!state.asking || state.mine || state.stopped) return;
+    if (!state.asking || state.mine || state.stopped || state.paused) return;
     beeps += 1;
     try {
       audio ??= new AudioContext();

@@ -52,8 +52,11 @@ HOTKEYS = {
 class OperatorSocket:
     """Serves every station, and knows which of them belong to which of viser's pages."""
 
-    def __init__(self, cockpit: Cockpit) -> None:
+    def __init__(self, cockpit: Cockpit, title: str = "sheath") -> None:
+        """Take what the pages of `cockpit` say; `title` is what their tabs are called."""
         self.cockpit = cockpit
+        self._title = title
+        self._open: set[ServerConnection] = set()
         self._codes = {code for binding in cockpit.guide for code in binding.codes}
         self._pages: dict[str, str] = {}
         self._pictures: dict[str, PictureAge] = {}
@@ -67,7 +70,13 @@ class OperatorSocket:
         hotkeys = {
             code: order.value for code, order in HOTKEYS.items() if operated or order in OF_ANY_RUN
         }
-        settings = {"station": key, "path": PATH, "codes": sorted(self._codes), "hotkeys": hotkeys}
+        settings = {
+            "station": key,
+            "path": PATH,
+            "codes": sorted(self._codes),
+            "hotkeys": hotkeys,
+            "title": self._title,
+        }
         return f"({SCRIPT.read_text()})({json.dumps(settings)})"
 
     def follow_picture(self, page: int) -> PictureAge:
@@ -91,6 +100,7 @@ class OperatorSocket:
         own = station = f"socket {next(self._numbers)}"
         shower = asyncio.create_task(self._show(connection, lambda: station))
         age, budget = MessageAge(), Budget()
+        self._open.add(connection)
         try:
             for number in count(1):
                 said = decoded(await connection.recv())
@@ -111,10 +121,17 @@ class OperatorSocket:
         except ConnectionClosed:
             pass
         finally:
+            self._open.discard(connection)
             shower.cancel()
             self.cockpit.leave(own)
             # A page may live on without its socket, and its script connects again.
             self.cockpit.silence(station)
+
+    async def say_finished(self) -> None:
+        """Tell every page that the run has ended, so that none takes it for a lost connection."""
+        news = json.dumps({"finished": True})
+        saying = [connection.send(news) for connection in self._open]
+        await asyncio.gather(*saying, return_exceptions=True)
 
     def _take(self, station: str, said: OperatorMessage, age_s: float) -> None:
         operator_input = said.input(self._codes)

@@ -29,6 +29,8 @@ from sheath_manip.exceptions import ParameterError, SetupError
 MIN_TOKEN_LENGTH = 8
 LONGEST_MESSAGE = 2**16
 """bytes that a browser may send at once; viser's own limit is 50 MB"""
+FAREWELL_S = 0.5
+"""for the pages to hear that the run has ended"""
 SUBPROTOCOL = f"viser-v{viser.__version__}"
 """of viser's client; to any other viser would answer on the terminal, in that one's own words"""
 
@@ -41,6 +43,9 @@ class GuardedServer:
 
     viser: viser.ViserServer
     access: AccessControl
+    operators: OperatorSocket
+    loop: asyncio.AbstractEventLoop
+    """of all connections, in a thread of viser's"""
 
     @classmethod
     def open(
@@ -68,7 +73,7 @@ class GuardedServer:
             )
         listener = _listen(host, port)
         access = AccessControl(host, listener.getsockname()[1], token or secrets.token_urlsafe(24))
-        inspection, operators = Inspection(), OperatorSocket(cockpit)
+        inspection, operators = Inspection(), OperatorSocket(cockpit, label)
         try:
             with _wrapped_serve(access, listener, inspection, operators), _quiet():
                 server = viser.ViserServer(host=host, port=access.port, label=label, verbose=False)
@@ -85,10 +90,13 @@ class GuardedServer:
             server._websock_server.unregister_handler(message)
         server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")
         server.gui.main_panel.dock_right()
-        return cls(server, access)
+        return cls(server, access, operators, loop)
 
     def close(self) -> None:
-        """Stop listening and end every connection."""
+        """Say that this is the end, stop listening and end every connection."""
+        with contextlib.suppress(Exception):
+            saying = asyncio.run_coroutine_threadsafe(self.operators.say_finished(), self.loop)
+            saying.result(FAREWELL_S)
         with _quiet():
             self.viser.stop()
 
@@ -203,7 +211,9 @@ def _give_script(
         page = client.client_id
 
         def run(source: str) -> None:
-            client._websock_connection.queue_message(RunJavascriptMessage(source))
+            # A browser may go at any moment, and viser would say so on the terminal.
+            with client._websock_connection.get_message_buffer().sanctioned_dead_writes():
+                client._websock_connection.queue_message(RunJavascriptMessage(source))
 
         def taken_s() -> float | None:
             waiting = buffer.message_counter - 1 > buffer.generator_cursors.get(page, -1)

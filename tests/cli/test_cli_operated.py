@@ -10,6 +10,7 @@ import pytest
 
 import sheath_manip.dashboard
 from sheath_manip.cli.options import is_loopback
+from sheath_manip.cockpit import Order
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Purpose, Reason
@@ -58,6 +59,13 @@ def at_the_page(monkeypatch) -> Callable:
 
 def take_over(station: Station) -> None:
     station.order("take-over")
+    # A turn begins with the first key.
+    station.hold(keys=["KeyJ"])
+
+
+def let_it_begin(station: Station) -> None:
+    station.until(lambda shown: shown.get("unready", False))
+    station.order("hand-back")
 
 
 def reasons(store: Path) -> list[Reason]:
@@ -76,16 +84,18 @@ def test_teleop_records_demonstrations_by_hand(sheath, at_the_page, tmp_path):
     assert [s.info.purpose for s in summaries] == [Purpose.DEMONSTRATION] * 2
     assert {s.info.method for s in summaries} == {"person"}
     assert len({s.info.session for s in summaries} - {""}) == 1
-    assert set(reasons(store)) == {Reason.PERSON}
+    assert Reason.PERSON in reasons(store)
+    assert set(reasons(store)) <= {Reason.PERSON, Reason.IDLE}
     # What is there is not asked for again.
     assert sheath(*argv)[0] == 0
 
 
-def test_run_asks_a_person_and_falls_back(sheath, made, tmp_path):
+def test_run_asks_a_person_and_falls_back(sheath, made, at_the_page, tmp_path):
     store = tmp_path / "store"
     argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 3, "--port", 0)
     person = ("--expert", "person", "--store", store, "--wait-s", 0.04, "--fallback", "hold")
-    code, out, _ = sheath(*argv, *person)
+    with at_the_page(let_it_begin):
+        code, out, _ = sheath(*argv, *person)
     assert code == 0
     assert "3 episodes" in out
     assert {s.info.method.rpartition("-")[2] for s in EpisodeStore(store).infos()} == {"person"}
@@ -103,6 +113,11 @@ def test_a_persons_run_has_the_gates_sliders(sheath, made, monkeypatch, tmp_path
             dial = gate[0].keywords["dial"]
             sliders.append(len(gate))
             dial.boundary = dial.boundary.at(np.finfo(float).max)
+            threading.Thread(target=self.begin, daemon=True).start()
+
+        def begin(self) -> None:
+            assert eventually(lambda: self.cockpit.state.unready)
+            self.cockpit.order(Order.HAND_BACK, "the test")
 
     monkeypatch.setattr(sheath_manip.dashboard, "Dashboard", Noted)
     argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 1, "--port", 0)

@@ -11,7 +11,16 @@ from sheath_manip.gates import AlwaysExpert, AlwaysPolicy
 from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.types import Actor, Outcome, Reason
 from sheath_manip.types.samples import samples_from
-from tests.cockpit.operated_corridor import IDLE, PERIOD_S, outside_between, reasons, run, take
+from tests.cockpit.clock import Clock
+from tests.cockpit.operated_corridor import (
+    IDLE,
+    LEFT,
+    PERIOD_S,
+    outside_between,
+    reasons,
+    run,
+    take,
+)
 from tests.toy import Corridor, hold, teleop
 
 pytestmark = pytest.mark.usefixtures("wide_corridor")
@@ -67,10 +76,28 @@ def test_a_person_takes_over_at_any_time_and_lets_go_of_the_dead_man():
 
 
 def test_without_a_dead_man_to_press_nothing_is_an_action():
-    script = {4: lambda page: take(page, IDLE)}
+    script = {4: take, 6: lambda page: page.submit_input("page", IDLE)}
     episode, _ = run(script, AlwaysPolicy(), dead_man=False)
     assert set(reasons(episode)[4:]) == {Reason.PERSON}
     assert all(step.label is not None for step in episode.steps[4:])
+
+
+def test_a_turn_begins_with_the_first_key_also_without_a_dead_man():
+    """Who has just taken over a car has not got hold of anything yet."""
+    script = {4: lambda page: take(page, IDLE), 7: lambda page: page.submit_input("page", LEFT)}
+    episode, _ = run(script, AlwaysPolicy(), dead_man=False)
+    assert set(reasons(episode)[4:7]) == {Reason.IDLE}
+    assert set(reasons(episode)[7:]) == {Reason.PERSON}
+
+
+def test_the_next_episode_begins_with_the_next_key_of_who_drives_on():
+    cockpit = Cockpit(teleop(Corridor()).guide, Clock())
+    take(cockpit)
+    assert cockpit.now().touched
+    cockpit.begin_episode()
+    assert not cockpit.now().touched
+    cockpit.submit_input("page", LEFT)
+    assert cockpit.now().touched
 
 
 @pytest.mark.parametrize(

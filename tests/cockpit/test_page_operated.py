@@ -213,23 +213,33 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     grasp.until_turn(Actor.POLICY)
 
 
-PUSHED = """
-() => {
+PADS = """
+({ mapping, frozen }) => {
   const buttons = [...Array(17).keys()].map((n) => ({ pressed: n === 4 }));
-  navigator.getGamepads = () => [null, { connected: true, axes: [-1, 0, 0, 0], buttons }];
+  const pushed = { connected: true, axes: [-1, 0, 0, 0], buttons };
+  const dead = { ...pushed, axes: [0, 0, 0, 0], buttons: [], mapping: "standard", timestamp: 0 };
+  const began = performance.now();
+  navigator.getGamepads = () =>
+    [dead, null, { ...pushed, mapping, timestamp: frozen ? began : performance.now() }];
 }
 """
-"""the left stick to the left, the left shoulder button held"""
+"""the left stick to the left, the left shoulder button held; in the first slot a dead device"""
 
 
-def test_a_gamepad_drives_the_arm(grasp, opened):
+def test_a_gamepad_drives_the_arm_unless_it_is_unknown_or_frozen(grasp, opened):
+    notice = opened.locator("#sheath-operator")
     opened.keyboard.press("t")
     wait_until(lambda: grasp.cockpit.state.taken, "takeover", opened)
-    opened.evaluate(PUSHED)
+    opened.evaluate(PADS, {"mapping": "standard", "frozen": False})
     way_m = moved_m(grasp, opened, 0.03)
     assert way_m[1] > 0.9 * np.linalg.norm(way_m)
-    opened.evaluate("() => { navigator.getGamepads = () => []; }")
+    opened.evaluate(PADS, {"mapping": "", "frozen": False})
     holds(grasp, opened)
+    wait_until(lambda: "layout is unknown" in notice.inner_text(), "word of the pad", opened)
+    opened.evaluate(PADS, {"mapping": "standard", "frozen": True})
+    wait_until(lambda: "says nothing new" in notice.inner_text(), "word of the pad", opened)
+    holds(grasp, opened)
+    opened.evaluate("() => { navigator.getGamepads = () => []; }")
 
 
 def test_pause_step_and_speed(grasp, opened):

@@ -12,7 +12,7 @@ from tests.cockpit.operated_grasp import FALLBACK, WAIT_S, OperatedGrasp, operat
 from tools.chromium import chromium_page, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
-ASKING, DRIVING, STOPPED = "rgb(213, 94, 0)", "rgb(0, 135, 100)", "rgb(190, 30, 45)"
+ASKING, DRIVING, STOPPED = "rgb(179, 79, 0)", "rgb(0, 122, 90)", "rgb(190, 30, 45)"
 
 
 @dataclass(frozen=True)

@@ -158,10 +158,18 @@ def test_page_needs_token_or_cookie(dashboard: Dashboard, token: str) -> None:
 
 
 def test_query_never_reaches_the_page(dashboard: Dashboard, token: str) -> None:
-    cookie = cookie_of(dashboard, token)
-    for path in (f"{own_path(dashboard)}/", own_path(dashboard), "/"):
-        response, _ = get(dashboard, f"{path}?websocket=ws://evil.example", Cookie=cookie)
-        assert response.status == HTTPStatus.UNAUTHORIZED
+    cookie, path = cookie_of(dashboard, token), own_path(dashboard)
+    query = "?websocket=ws://evil.example"
+    assert get(dashboard, f"/{query}", Cookie=cookie)[0].status == HTTPStatus.UNAUTHORIZED
+    assert get(dashboard, f"{path}{query}")[0].status == HTTPStatus.UNAUTHORIZED
+    for own in (path, f"{path}/"):
+        response, body = get(dashboard, own + query, Cookie=cookie)
+        # To the bare page, as viser's own addition to the address does when it is loaded anew.
+        assert response.status == HTTPStatus.OK
+        assert f'location.replace("{path}")'.encode() in body
+        assert b"evil" not in body
+        assert len(body) < 200
+    assert_refused(dashboard, HTTPStatus.UNAUTHORIZED, cookie=cookie, query=query)
 
 
 def test_share_is_refused(

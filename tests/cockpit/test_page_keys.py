@@ -1,0 +1,176 @@
+"""Held keys in Chromium that nobody holds any longer, and letters that lie elsewhere."""
+
+import time
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Page
+
+from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.dashboard import Dashboard
+from sheath_manip.dashboard.access import AccessControl
+from tests.toy import Corridor, teleop
+from tools.chromium import chromium_page, open_dashboard, wait_until
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def cockpit() -> Cockpit:
+    return Cockpit(teleop(Corridor()).guide, paced=True)
+
+
+@pytest.fixture(scope="module")
+def served(cockpit) -> Iterator[Dashboard]:
+    with Dashboard(Corridor().spec, port=0, cockpit=cockpit) as page:
+        yield page
+
+
+@pytest.fixture(scope="module")
+def opened(served) -> Iterator[Page]:
+    with chromium_page() as page:
+        # Nothing is drawn in 3-D here.
+        page.set_viewport_size({"width": 400, "height": 300})
+        open_dashboard(page, served.address)
+        page.wait_for_function("window.sheathOperator?.state.operated")
+        yield page
+
+
+@pytest.fixture
+def taken(cockpit, opened) -> Iterator[Page]:
+    """The page, from which somebody drives; whatever it did is undone."""
+    opened.keyboard.press("t")
+    wait_until(lambda: cockpit.state.taken, "takeover", opened)
+    yield opened
+    cockpit.order(Order.STOP, "the test")
+    cockpit.order(Order.RESET, "the test", seen=cockpit.state.stops)
+    cockpit.resume()
+    cockpit.order(Order.HAND_BACK, "the test")
+    # What a page orders that has not seen the newest stop is void.
+    stops = cockpit.state.stops
+    opened.wait_for_function(f"sheathOperator.state.stops === {stops}")
+    opened.wait_for_function("!sheathOperator.state.stopped && !sheathOperator.state.paused")
+
+
+def held(cockpit: Cockpit) -> frozenset[str]:
+    now = cockpit.now()
+    return frozenset() if now.input is None else now.input.keys
+
+
+PRESS = """
+([type, options]) => document.body.dispatchEvent(
+  new KeyboardEvent(type, { bubbles: true, cancelable: true, ...options }))
+"""
+
+
+def press(page: Page, event: str, **options: str | bool) -> None:
+    """As a keyboard of another layout, or another system, has the browser say."""
+    page.evaluate(PRESS, [event, options])
+
+
+def test_a_release_that_macos_keeps_to_itself(cockpit, taken):
+    press(taken, "keydown", code="KeyJ", key="j")
+    wait_until(lambda: held(cockpit) == {"KeyJ"}, "held key", taken)
+    press(taken, "keydown", code="MetaLeft", key="Meta", metaKey=True)
+    wait_until(lambda: not held(cockpit), "letting go", taken)
+    # The release of J is never told; nor is it pressed again by itself.
+    press(taken, "keyup", code="MetaLeft", key="Meta")
+    press(taken, "keydown", code="KeyJ", key="j", repeat=True)
+    taken.wait_for_timeout(300)
+    assert not held(cockpit)
+    press(taken, "keyup", code="KeyJ", key="j")
+
+
+def test_a_hidden_page_says_nothing_so_that_the_robot_holds(cockpit, taken):
+    press(taken, "keydown", code="KeyJ", key="j")
+    wait_until(lambda: held(cockpit) == {"KeyJ"}, "held key", taken)
+    taken.evaluate(
+        """() => {
+          Object.defineProperty(document, "hidden", { configurable: true, get: () => true });
+          document.dispatchEvent(new Event("visibilitychange"));
+        }"""
+    )
+    wait_until(lambda: cockpit.now().must_hold, "hold", taken)
+    taken.evaluate("() => delete document.hidden")
+    press(taken, "keyup", code="KeyJ", key="j")
+    wait_until(lambda: not cockpit.now().abandoned and not held(cockpit), "sign of life", taken)
+
+
+@pytest.mark.parametrize(
+    ("layout", "code", "key"),
+    [
+        ("AZERTY: Z where W was", "KeyW", "z"),
+        ("QWERTZ: Z where Y was", "KeyY", "z"),
+        ("Caps lock", "KeyZ", "Z"),
+        ("Cyrillic", "KeyZ", "я"),
+    ],
+)
+def test_what_discards_is_the_printed_letter(cockpit, taken, layout, code, key):
+    del layout
+    cockpit.begin_episode()
+    # Y of QWERTZ and W of AZERTY lie where Z is on an American keyboard.
+    for other in "yw":
+        press(taken, "keydown", code="KeyZ", key=other)
+        press(taken, "keyup", code="KeyZ", key=other)
+    taken.wait_for_timeout(200)
+    assert cockpit.ending is None
+    press(taken, "keydown", code=code, key=key)
+    press(taken, "keyup", code=code, key=key)
+    wait_until(lambda: cockpit.ending is not None, "ending", taken)
+    cockpit.begin_episode()
+
+
+def test_dvoraks_p_does_not_reset_the_stop(cockpit, taken):
+    press(taken, "keydown", code="Space", key=" ")
+    wait_until(lambda: cockpit.state.stopped, "stop", taken)
+    taken.wait_for_function("sheathOperator.state.stopped")
+    # P lies where R is on an American keyboard, and R where O is.
+    press(taken, "keydown", code="KeyR", key="p")
+    wait_until(lambda: cockpit.paused, "pause", taken)
+    assert cockpit.state.stopped
+    press(taken, "keydown", code="KeyO", key="r")
+    wait_until(lambda: not cockpit.state.stopped, "reset", taken)
+
+
+def test_what_drives_is_the_printed_letter_and_its_release_is_its_place(cockpit, taken):
+    press(taken, "keydown", code="KeyC", key="j")
+    wait_until(lambda: held(cockpit) == {"KeyJ"}, "held key", taken)
+    # Shift came down meanwhile, or the layout was changed.
+    press(taken, "keyup", code="KeyC", key="?")
+    wait_until(lambda: not held(cockpit), "letting go", taken)
+
+
+def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch):
+    notice = opened.locator("#sheath-operator")
+
+    def says(word: str, page: Page = opened) -> None:
+        wait_until(
+            lambda: word in page.locator("#sheath-operator").inner_text(), f"word of {word}", page
+        )
+
+    # Nothing comes, though the connection stands.
+    served._server.loop.call_soon_threadsafe(time.sleep, 3.0)
+    says("CONNECTION LOST")
+    assert "✕" in opened.title()
+    wait_until(lambda: not notice.is_visible(), "connection", opened)
+
+    other = opened.context.browser.new_page()  # pyright: ignore[reportOptionalMemberAccess]
+    open_dashboard(other, served.address)
+    other.wait_for_function("window.sheathOperator?.state.operated")
+    # As a run that was started anew at the same port.
+    monkeypatch.setattr(AccessControl, "_has_cookie", lambda *_: False)
+    for connection in list(served._server.operators._open):
+        served._server.loop.call_soon_threadsafe(connection.transport.abort)
+    says("ANOTHER RUN", other)
+    monkeypatch.undo()
+    other.close()
+
+
+def test_the_page_says_that_the_run_has_ended(opened, served):
+    opened.reload()
+    opened.wait_for_function("window.sheathOperator?.state.operated")
+    served.close()
+    opened.get_by_text("FINISHED. The run has ended").wait_for()
+    opened.wait_for_timeout(2500)
+    assert opened.locator("#sheath-operator").inner_text().startswith("FINISHED")
+    assert opened.title() == "✓ sheath · corridor"
