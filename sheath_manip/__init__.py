@@ -11,10 +11,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from sheath_manip.array_environment import ArrayEnvironment
     from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.exceptions import SheathError
+    from sheath_manip.gates.config import GateConfig
+    from sheath_manip.gates.fitted import Sources
     from sheath_manip.gates.support import SupportGate
     from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+    from sheath_manip.learning.first_episodes import demonstrations, gated_episode
+    from sheath_manip.learning.fitting import fit_gate
+    from sheath_manip.playback.making import contact_sheet
+    from sheath_manip.policies import make_policy
     from sheath_manip.protocols import Environment, Expert, Gate, Judge, Policy
     from sheath_manip.support.calibration import held_out_threshold
     from sheath_manip.support.one_class_svm import OneClassSupport
@@ -26,16 +33,18 @@ if TYPE_CHECKING:
         GateDecision,
         Judgement,
         Observation,
+        Observations,
         Outcome,
         Proposal,
         Purpose,
         TaskSpec,
         Transition,
     )
-    from sheath_manip.types.samples import Samples
+    from sheath_manip.types.samples import Samples, samples_from
 
 __all__ = [
     "ActionSpec",
+    "ArrayEnvironment",
     "Checkpoint",
     "Environment",
     "Episode",
@@ -43,10 +52,12 @@ __all__ = [
     "EpisodeStore",
     "Expert",
     "Gate",
+    "GateConfig",
     "GateDecision",
     "Judge",
     "Judgement",
     "Observation",
+    "Observations",
     "OneClassSupport",
     "Outcome",
     "Policy",
@@ -54,19 +65,33 @@ __all__ = [
     "Purpose",
     "Samples",
     "SheathError",
+    "Sources",
     "SupportGate",
     "Task",
     "TaskSpec",
     "Transition",
+    "contact_sheet",
+    "demonstrations",
+    "fit_gate",
+    "gated_episode",
     "held_out_threshold",
     "load_checkpoint",
+    "make_policy",
+    "samples_from",
 ]
 
 _HOMES = {
+    "array_environment": ("ArrayEnvironment",),
     "dataset.store": ("EpisodeStore",),
     "exceptions": ("SheathError",),
+    "gates.config": ("GateConfig",),
+    "gates.fitted": ("Sources",),
     "gates.support": ("SupportGate",),
     "learning.checkpoint": ("Checkpoint", "load_checkpoint"),
+    "learning.first_episodes": ("demonstrations", "gated_episode"),
+    "learning.fitting": ("fit_gate",),
+    "playback.making": ("contact_sheet",),
+    "policies": ("make_policy",),
     "protocols": ("Environment", "Expert", "Gate", "Judge", "Policy"),
     "support.calibration": ("held_out_threshold",),
     "support.one_class_svm": ("OneClassSupport",),
@@ -78,13 +103,14 @@ _HOMES = {
         "GateDecision",
         "Judgement",
         "Observation",
+        "Observations",
         "Outcome",
         "Proposal",
         "Purpose",
         "TaskSpec",
         "Transition",
     ),
-    "types.samples": ("Samples",),
+    "types.samples": ("Samples", "samples_from"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

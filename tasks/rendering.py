@@ -8,6 +8,15 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 
+WIDE_PX = (320, 640)
+"""(height, width) of pictures for films"""
+
+
+def wide_picture(physics: engine.Physics, camera: str) -> NDArray[np.uint8]:
+    """(320, 640, 3) RGB of what the camera sees and what is beside it, for films."""
+    height, width = WIDE_PX
+    return engine.Camera(physics, height=height, width=width, camera_id=camera).render().copy()
+
 
 class PyramidCamera:
     """A fixed camera whose renderer is kept, followed by levels of a Gaussian pyramid.

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sheath_manip.experiments.figures.style import limited
+from sheath_manip.playback.gif import limited
 from sheath_manip.seeding import scene_seed
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.gauze_cutting.expert import GauzeExpert

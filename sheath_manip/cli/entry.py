@@ -16,6 +16,7 @@ from sheath_manip.cli.data import Data
 from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.examples import FIRST_STEPS, described
 from sheath_manip.cli.experiment import Experiment
+from sheath_manip.cli.figures import Figures
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
 from sheath_manip.cli.planned import Planned, registry, verb_for
@@ -46,6 +47,7 @@ OF_A_STORE: dict[str, type[Verb]] = {
 OF_THE_MACHINE: dict[str, type[Verb]] = {
     "tasks": Tables,
     "claims": Claims,
+    "figures": Figures,
     "doctor": Doctor,
 }
 VERBS = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE

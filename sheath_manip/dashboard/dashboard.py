@@ -108,7 +108,7 @@ class Dashboard:
         """Show how the episode ended."""
         assert self._film is not None, "on_start comes before on_end"
         with self._lock:
-            self._film.outcome = episode.outcome
+            self._film.end(episode)
             share = Share.of(self._film.trace.so_far())
             self._tally.end(episode.info, share, episode.outcome)
         self._drawer.wake()

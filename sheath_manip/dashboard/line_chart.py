@@ -1,4 +1,4 @@
-"""A small line chart as SVG text: for what changes seldom, and has as many lines as it has."""
+"""A small line chart of methods as SVG text: for what changes seldom, of as many as there are."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -12,22 +12,14 @@ WIDTH, HEIGHT = 320, 130
 LEFT, RIGHT, TOP, BOTTOM = 38, 8, 8, 18
 INTERVALS = 3
 """between grid lines, and one more where they do not fit"""
-# Okabe and Ito's, the policy's and the expert's first.
-COLOURS: tuple[palette.Rgb, ...] = (
-    (0, 114, 178),
-    (213, 94, 0),
-    (0, 158, 115),
-    (204, 121, 167),
-    (86, 180, 233),
-    (230, 159, 0),
-    (110, 116, 124),
-)
+_MARKS = {"o": "●", "s": "■", "D": "◆", "^": "▲", "v": "▼", "P": "✚", "X": "✖", "<": "◀", "*": "★"}
+"""a method's marker as a letter"""
 
 Points = Sequence[tuple[float, float]]
 
 
 def line_chart(lines: Mapping[str, Points], low: float | None = None) -> str:
-    """The `lines` by name, over a range that holds them all, and `low` where it is given."""
+    """The `lines` by method, over a range that holds them all, and `low` where it is given."""
     known = [(x, y) for points in lines.values() for x, y in points if np.isfinite(y)]
     if not known:
         return ""
@@ -47,18 +39,24 @@ def line_chart(lines: Mapping[str, Points], low: float | None = None) -> str:
     for x in sorted({round(x_low), round((x_low + x_high) / 2), round(x_high)}):
         column, _ = place(x, y_low)
         pieces.append(_text(column, HEIGHT - 4, f"{x:g}", "middle"))
-    for number, points in enumerate(lines.values()):
-        colour = palette.css(COLOURS[number % len(COLOURS)])
+    looks = palette.methods(lines)
+    for name, points in lines.items():
+        look = looks[name]
+        colour, dashes = palette.css(look.rgb), " ".join(f"{2 * each:g}" for each in look.dashes)
         placed = [place(x, y) for x, y in points if np.isfinite(y)]
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in placed)
-        pieces.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        pieces.append(
+            f'<polyline points="{path}" fill="none" stroke="{colour}" '
+            f'stroke-width="2" stroke-dasharray="{dashes or "none"}"/>'
+        )
         pieces += [
             f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in placed
         ]
     names = " &nbsp; ".join(
         f'<span style="white-space:nowrap"><span style="color:'
-        f'{palette.css(COLOURS[number % len(COLOURS)])}">●</span> {escape(name)}</span>'
-        for number, name in enumerate(lines)
+        f'{palette.css(looks[name].rgb)}">{_MARKS.get(looks[name].marker, "●")}</span> '
+        f"{escape(name)}</span>"
+        for name in lines
     )
     return (
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" style="width:100%" '

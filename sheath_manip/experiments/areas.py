@@ -1,13 +1,13 @@
 """Areas under learning curves: how good a method was over all its rounds, training runs paired."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from sheath_manip.learning.results import RoundResult
-from sheath_manip.metrics import EpisodeRecord, mean_interval
+from sheath_manip.metrics import EpisodeRecord, bounded_interval, mean_interval
 
 COMPARED_TO = "dagger"
 
@@ -17,7 +17,8 @@ def areas(results: Mapping[str, Sequence[RoundResult]], metric: str) -> dict[str
 
     Each has the mean over training runs of the run's mean of `metric` over its rounds (of a round's
     episodes, their mean), and `minus_dagger`, the mean of what a run has more than DAgger's of the
-    same seed: same demonstrations, same scenes. Intervals are 95 %, and runs count as independent.
+    same seed: same demonstrations, same scenes. Intervals are 95 %, the bootstrap's of a mean and
+    Student's of a difference; runs count as independent.
     """
     by_run = {
         (method, what): _by_run(rounds, what, metric)
@@ -27,9 +28,10 @@ def areas(results: Mapping[str, Sequence[RoundResult]], metric: str) -> dict[str
     return {
         method: {
             what: {
-                **_mean(by_run[method, what]),
+                **_mean(by_run[method, what], bounded_interval),
                 "minus_dagger": _mean(
-                    _difference(by_run[method, what], by_run.get((COMPARED_TO, what), {}))
+                    _difference(by_run[method, what], by_run.get((COMPARED_TO, what), {})),
+                    mean_interval,
                 ),
             }
             for what in ("executed", "policy")
@@ -53,12 +55,14 @@ def _difference(ours: Mapping[int, float], others: Mapping[int, float]) -> dict[
     return {seed: value - others[seed] for seed, value in ours.items() if seed in others}
 
 
-def _mean(by_run: Mapping[int, float]) -> dict[str, Any]:
+def _mean(
+    by_run: Mapping[int, float], interval: Callable[[np.ndarray], tuple[float, float]]
+) -> dict[str, Any]:
     if not by_run:
         return {"runs": 0, "mean": math.nan, "ci95": (math.nan, math.nan)}
     values = np.array(list(by_run.values()))
     return {
         "runs": len(values),
         "mean": float(values.mean()),
-        "ci95": mean_interval(values),
+        "ci95": interval(values),
     }

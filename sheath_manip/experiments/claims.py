@@ -68,11 +68,13 @@ def verdicts(results: Path, claims: Mapping[str, Iterable[Claim]]) -> list[Verdi
     """Every claim of every experiment that has a summary under `results`, and every bench line."""
     found = []
     for path in sorted(results.glob("*/summary.json")):
-        summary = _read(path)
+        summary = read_summary(path)
         for claim in claims.get(path.parent.name, ()):
             found.append(judge(claim, summary, str(path)))
     for path in sorted(results.glob("bench-*.json")):
-        found += [_bench_verdict(name, line, str(path)) for name, line in _read(path).items()]
+        found += [
+            _bench_verdict(name, line, str(path)) for name, line in read_summary(path).items()
+        ]
     if not found:
         raise StoreError(f"{results} holds no result with a claim; run `sheath experiment` first")
     return found
@@ -101,7 +103,8 @@ def _bench_verdict(name: str, line: Mapping[str, Any], source: str) -> Verdict:
         ) from error
 
 
-def _read(path: Path) -> Summary:
+def read_summary(path: Path) -> Summary:
+    """Return a result as it is written today; raises StoreError where it is none."""
     try:
         return upgraded(json.loads(path.read_text()))
     except (OSError, ValueError, AttributeError) as error:

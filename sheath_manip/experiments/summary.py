@@ -14,11 +14,13 @@ from sheath_manip.experiments.areas import areas
 from sheath_manip.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import RoundResult
-from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of, mean_interval
+from sheath_manip.metrics import EpisodeRecord, bounded_interval, expert_share, figures_of
 from sheath_manip.rollout.threads import THREADS
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 """the folder that holds the package: a git checkout, or site-packages, which is none"""
+TALK = "talk.png"
+"""the figure that says the most important thing alone"""
 MANY_RUNS = 10
 """training runs from which on a metric's interval is over their means: the episodes of a run
 resemble each other, but of a few runs an interval says nothing"""
@@ -62,6 +64,7 @@ def summarise(
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
             "metric": metric,
+            "talk": TALK,
             "expert": expert,
             "references": references or {},
             "methods": by_method,
@@ -165,7 +168,7 @@ def _of_runs(results: Sequence[RoundResult], field: str) -> dict[str, Any]:
         return figures
     for name in figures["metric"]:
         means = [np.mean([record.metrics[name] for record in records]) for records in runs]
-        figures["ci95"][name] = mean_interval(np.array(means))
+        figures["ci95"][name] = bounded_interval(np.array(means))
     return figures
 
 

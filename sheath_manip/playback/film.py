@@ -1,8 +1,19 @@
 """One episode as a page shows it: every step, and how the scene stood after it."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sheath_manip.playback.trace import GrowingTrace
 from sheath_manip.protocols import Environment
-from sheath_manip.types import Episode, EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
+from sheath_manip.types import (
+    Episode,
+    EpisodeInfo,
+    Observation,
+    Outcome,
+    SceneGeom,
+    ScenePose,
+    Step,
+)
 
 
 class Film:
@@ -21,9 +32,28 @@ class Film:
         """after each step"""
         self.outcome: Outcome | None = None
         """None while the episode runs"""
+        self._end: tuple[Observation, NDArray[np.float64]] | None = None
 
     def __len__(self) -> int:
         return len(self.poses)
+
+    def observation(self, moment: int) -> Observation:
+        """Return what is seen before a step, or at `len` after the last one of a whole episode."""
+        return self._at_end()[0] if moment == len(self) else self.steps[moment].observation
+
+    def state(self, moment: int) -> NDArray[np.float64]:
+        """Return the environment's state at such a moment."""
+        return self._at_end()[1] if moment == len(self) else self.steps[moment].state
+
+    def end(self, episode: Episode) -> None:
+        """Take note of how the episode ended, and of what is seen since."""
+        self.outcome = episode.outcome
+        self._end = episode.final_observation, episode.final_state
+
+    def _at_end(self) -> tuple[Observation, NDArray[np.float64]]:
+        if self._end is None:
+            raise IndexError(f"{self.info.task}'s episode still runs; its last observation is open")
+        return self._end
 
     def append(self, step: Step, pose: ScenePose) -> None:
         """Add one step and how the scene stands after it."""
@@ -40,5 +70,5 @@ def film_of(environment: Environment, episode: Episode) -> Film:
     film = Film(episode.info, tuple(environment.scene()), first_pose)
     for step, state in zip(episode.steps, states[1:], strict=True):
         film.append(step, environment.pose_at(state))
-    film.outcome = episode.outcome
+    film.end(episode)
     return film

@@ -1,6 +1,6 @@
 """Recorded episodes as films: looked at again in an environment of their own scene."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,15 +77,7 @@ class FilmMaker:
             self._environment.close()
 
     def _pictures(self, film: Film) -> Pictures | None:
-        environment, picture = self._environment, self._task.picture
-        if picture is None or environment is None:
-            return None
-
-        def drawn(step: int) -> NDArray[np.uint8]:
-            environment.pose_at(film.steps[step].state)
-            return picture(environment)
-
-        return drawn
+        return None if self._environment is None else drawn(self._task, self._environment, film)
 
     def _variant_of(self, summary: EpisodeSummary) -> str:
         return summary.info.variant or self._variant or "default"
@@ -117,6 +109,40 @@ class FilmMaker:
         return self._environment
 
 
+def drawn(task: Task, environment: Environment, film: Film) -> Pictures | None:
+    """Return pictures as `task` draws them in an `environment` of the film's scene.
+
+    None where the task draws none.
+    """
+    picture = task.picture
+    if picture is None:
+        return None
+
+    def of_moment(moment: int) -> NDArray[np.uint8]:
+        environment.pose_at(film.state(moment))
+        return picture(environment)
+
+    return of_moment
+
+
+def contact_sheet(task: Task, episode: Episode, moments: Sequence[int]) -> NDArray[np.uint8]:
+    """(h, w, 3) RGB: the frames of an episode's film at `moments`, side by side.
+
+    Moments are 0 .. T of an episode of T steps; from the end they count from -1. Raises
+    ParameterError where neither the task nor a camera has a picture.
+    """
+    info = episode.info
+    environment = task.make_for_run(info.variant or "default", info.run_seed)
+    try:
+        film = film_of(environment, episode)
+        pictures = drawn(task, environment, film) or seen(film)
+        chosen = [range(len(film) + 1)[each] for each in moments]
+        shown = frames(film.trace.so_far(), film.outcome, pictures, moments=chosen)
+        return np.concatenate(list(shown), axis=1)
+    finally:
+        environment.close()
+
+
 def exported(film: Film, pictures: Pictures | None, kind: str) -> tuple[str, bytes]:
     """A file of `film`, `mp4` or `html`: its name and its content.
 
@@ -125,7 +151,8 @@ def exported(film: Film, pictures: Pictures | None, kind: str) -> tuple[str, byt
     """
     if kind not in KINDS:
         raise ParameterError(f"an export of kind {kind!r}; wanted {' or '.join(KINDS)}")
-    drawn = frames(film, seen(film) if pictures is None else pictures)
-    video = mp4(drawn, film.info.control_rate_hz)
+    trace = film.trace.so_far()
+    shown = frames(trace, film.outcome, seen(film) if pictures is None else pictures)
+    video = mp4(shown, film.info.control_rate_hz)
     content = video if kind == "mp4" else html(film, video).encode()
     return f"{episode_name(film.info)}.{kind}", content

@@ -1,8 +1,26 @@
-"""One colour for each meaning, the same in the panel, the score plot and the support picture."""
+"""One look for each meaning, the same on the page, in films and in figures.
+
+Two families that never stand for each other: those who act, and the methods that are compared.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from sheath_manip.types import Actor, Outcome, Reason
 
 Rgb = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a method is drawn: by colour, and for those who see none by marker and dashes."""
+
+    rgb: Rgb
+    marker: str
+    """as matplotlib calls it"""
+    dashes: tuple[float, ...] = ()
+    """lengths drawn and left out, in line widths; none for a whole line"""
+
 
 # Blue, vermillion, purple and yellow of Okabe and Ito, which colour-blind readers can tell apart.
 ACTOR: dict[Actor, Rgb] = {
@@ -34,6 +52,31 @@ LIMITED: Rgb = (204, 121, 167)
 SUPPORT: Rgb = (240, 228, 66)
 INK: Rgb = (34, 39, 46)
 GREY: Rgb = (110, 116, 124)
+PALE: Rgb = (217, 220, 225)
+PAPER: Rgb = (246, 247, 249)
+
+# The first four also differ in lightness, from dark to light.
+_METHODS: dict[str, Look] = {
+    "sheath": Look((0, 84, 147), "o"),
+    "dagger": Look((204, 82, 0), "s", (5, 1.5)),
+    "cloning": Look((128, 134, 142), "D", (1.2, 1.2)),
+    "random-takeover": Look((230, 170, 30), "^", (5, 1.5, 1.2, 1.5)),
+}
+_OTHERS: tuple[Look, ...] = (
+    Look((0, 158, 115), "v", (3, 1)),
+    Look((204, 121, 167), "P", (8, 2)),
+    Look((86, 180, 233), "X", (2, 2)),
+    Look((122, 74, 30), "<", (5, 1.5, 1.2, 1.5, 1.2, 1.5)),
+    Look(INK, "*", (1, 2)),
+)
+
+
+def methods(names: Iterable[str]) -> dict[str, Look]:
+    """Return the look of each method, the same wherever the same methods are compared."""
+    listed = list(names)
+    others = [name for name in listed if name not in _METHODS]
+    spare = {name: _OTHERS[index % len(_OTHERS)] for index, name in enumerate(others)}
+    return {name: _METHODS.get(name) or spare[name] for name in listed}
 
 
 def linear(rgb: Rgb) -> Rgb:
@@ -55,3 +98,19 @@ def turn(actor: Actor, reason: Reason) -> Rgb:
 def css(rgb: Rgb) -> str:
     """`rgb` as a page writes it."""
     return f"#{rgb[0]:02x}{rgb[1]:02x}{rgb[2]:02x}"
+
+
+def readable_on(rgb: Rgb) -> Rgb:
+    """Return white or ink for letters on `rgb`, whichever stands out more (WCAG 2.2)."""
+    white, ink = (_contrast(rgb, letters) for letters in ((255, 255, 255), INK))
+    return (255, 255, 255) if white >= ink else INK
+
+
+def _contrast(one: Rgb, other: Rgb) -> float:
+    light, dark = sorted((_luminance(one), _luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def _luminance(rgb: Rgb) -> float:
+    red, green, blue = (channel / 255 for channel in linear(rgb))
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.metrics import runs_of
-from sheath_manip.types import ACTORS, REASONS, Actor, EpisodeInfo, Reason, ScenePose, Step
+from sheath_manip.types import ACTORS, REASONS, Actor, Episode, EpisodeInfo, Reason, ScenePose, Step
 from sheath_manip.types.columns import intervened
 
 POLICY = ACTORS.index(Actor.POLICY)
@@ -78,8 +78,8 @@ class GrowingTrace:
             tool_m=np.zeros((room, 3)),
         )
 
-    def append(self, step: Step, pose: ScenePose) -> None:
-        """Add one step and how the scene stood after it."""
+    def append(self, step: Step, pose: ScenePose | None = None) -> None:
+        """Add one step, and where it is known how the scene stood after it."""
         at, decision = self._length, step.decision
         if at == len(self._columns):
             self._columns = _doubled(self._columns)
@@ -91,13 +91,21 @@ class GrowingTrace:
         columns.query[at] = step.label is not None
         columns.limited[at] = bool(step.limited)
         columns.reason[at] = REASONS.index(decision.reason)
-        columns.tool_m[at] = NOWHERE if pose.tool_m is None else pose.tool_m
+        columns.tool_m[at] = NOWHERE if pose is None or pose.tool_m is None else pose.tool_m
         # Last, so that a reader meanwhile sees only what is complete.
         self._length += 1
 
     def so_far(self) -> Trace:
         """Return what has been appended; it does not change any more."""
         return self._columns.until(self._length)
+
+
+def trace_of(episode: Episode) -> Trace:
+    """Return a recorded episode by column, without the way of its tool."""
+    trace = GrowingTrace(episode.info)
+    for step in episode.steps:
+        trace.append(step)
+    return trace.so_far()
 
 
 def _doubled(columns: Trace) -> Trace:

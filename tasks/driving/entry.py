@@ -8,6 +8,7 @@ from sheath_manip.controllers.teleop.buttons import Button, ButtonHands
 from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.expert import DrivingExpert
+from sheath_manip.tasks.driving.picture import film_frame
 from sheath_manip.tasks.driving.task import STEERING_RAD, DrivingTask, Scenario
 from sheath_manip.types import Action
 
@@ -45,4 +46,5 @@ DRIVING = Task(
     },
     expert=DrivingExpert,
     teleop=teleop,
+    picture=film_frame,
 )

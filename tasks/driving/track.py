@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-_GRASS = (74, 122, 62)
+GRASS = (74, 122, 62)
 _TARMAC = (92, 92, 98)
 _EDGE = (236, 236, 236)
 _CENTRE = (226, 196, 84)
@@ -134,7 +134,7 @@ class Track:
         speckle = np.random.default_rng(0).normal(0, 1, (height // 6 + 1, width // 6 + 1))
         grain = cv2.resize(speckle, (width, height), interpolation=cv2.INTER_CUBIC)
         image = np.empty((height, width, 3))
-        image[:] = _GRASS
+        image[:] = GRASS
         image += 6 * grain[..., None]
         road = np.abs(lateral) <= self.road_half_width
         image[road] = np.array(_TARMAC) + 2 * grain[road][:, None]

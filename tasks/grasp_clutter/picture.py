@@ -5,14 +5,11 @@ from numpy.typing import NDArray
 
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.task import GraspTask
-from sheath_manip.tasks.rendering import PyramidCamera
-
-SIZE_PX = 288
+from sheath_manip.tasks.rendering import wide_picture
 
 
 def film_frame(environment: ComposerEnvironment) -> NDArray[np.uint8]:
-    """(288, 288, 3) RGB of the scene from the front, as it stands."""
+    """(320, 640, 3) RGB of the scene from the front, as it stands."""
     if not isinstance(environment.task, GraspTask):
         raise TypeError(f"wanted the environment of a GraspTask, got {environment.task!r}")
-    camera = PyramidCamera(environment.task.camera_name("front"), SIZE_PX, pyramid_levels=0)
-    return camera(environment.physics)
+    return wide_picture(environment.physics, environment.task.camera_name("front"))

@@ -15,8 +15,8 @@ MARGIN_M = 4.0
 
 
 def film_frame(environment: ComposerEnvironment) -> NDArray[np.uint8]:
-    """(288, 384, 3) RGB for films: 19 tiles, enough to see the gap before the player jumps."""
-    return frame(environment, 384, 288)
+    """(360, 720, 3) RGB for films: 28 tiles, enough to see the gap before the player jumps."""
+    return frame(environment, 720, 360)
 
 
 def frame(

@@ -17,11 +17,21 @@ from sheath_manip.experiments.figures.intervention import (
     best_intervention,
 )
 from sheath_manip.experiments.figures.rounds import rounds
+from sheath_manip.experiments.figures.talk import talk
+from sheath_manip.experiments.summary import TALK
 
+OF_SUMMARIES: dict[str, Callable[[Mapping[str, Any], Path], None]] = {
+    TALK: talk,
+    "rounds.png": rounds,
+    "burden.png": burden,
+    "bound.png": bound,
+}
+"""by file name, those that need nothing but the summary"""
 FIGURES: dict[str, Callable[[Mapping[str, Any], EpisodeStore, View, Path], None]] = {
-    "rounds.png": lambda summary, _, __, path: rounds(summary, path),
-    "burden.png": lambda summary, _, __, path: burden(summary, path),
-    "bound.png": lambda summary, _, __, path: bound(summary, path),
+    **{
+        name: lambda summary, _, __, path, draw=draw: draw(summary, path)
+        for name, draw in OF_SUMMARIES.items()
+    },
     "film_strip.png": lambda _, store, view, path: film_strip(
         best_intervention(store, view=view), path
     ),
@@ -72,6 +82,7 @@ def write_figures(
 
 __all__ = [
     "FIGURES",
+    "OF_SUMMARIES",
     "NothingToShowError",
     "TaskFigures",
     "View",
@@ -80,5 +91,6 @@ __all__ = [
     "film",
     "film_strip",
     "rounds",
+    "talk",
     "write_figures",
 ]

@@ -7,44 +7,42 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from sheath_manip.experiments.figures.findings import bound as found
 from sheath_manip.experiments.figures.style import (
     INK,
-    SKY,
     counted,
     drawing,
+    drawn_methods,
     heading,
     last_round,
+    left_out,
     round_axis,
+    round_ticks,
     shown,
 )
 
-FIT = "#c9ced6"
+FIT, OUTSIDE = "#9aa1ab", "#56B4E9"
 
 
 def bound(summary: Mapping[str, Any], path: Path) -> None:
     """Draw one panel a method: T (epsilon_N + xi) as a sum of two parts, and the measured J."""
-    methods = summary["methods"]
-    columns = min(len(methods), 4)
-    rows = -(-len(methods) // columns)
-    with drawing(path, height_px=250 + 470 * rows) as figure:
+    methods = {name: summary["methods"][name] for name in drawn_methods(summary["methods"])}
+    with drawing(path, height_px=720) as figure:
         heading(
             figure,
-            f"{summary['experiment'].capitalize()}: mistakes in an episode and their bound "
-            "T (ε + ξ)",
-            "a mistake is a step at which the policy's action is not the expert's; "
-            f"means over {counted(len(summary['seeds']), 'training seed')}",
+            found(summary),
+            f"{summary['experiment']}; a mistake is a step at which the policy's action is not the "
+            f"expert's; means over {counted(len(summary['seeds']), 'training seed')}"
+            f"{left_out(summary['methods'])}",
         )
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
-        for axes in grid[len(methods) :]:
-            axes.set_axis_off()
-        for axes, (name, method) in zip(grid, methods.items(), strict=False):
+        grid = figure.subplots(1, len(methods), sharex=True, sharey=True, squeeze=False)[0]
+        for axes, (name, method) in zip(grid, methods.items(), strict=True):
             _parts(axes, method["rounds"])
             axes.set_title(shown(name))
             round_axis(axes, last_round(summary), label=False)
             axes.set_xlabel("round")
-            # Also above panels that are left empty.
-            axes.tick_params(axis="x", labelbottom=True)
         # Once for all panels: they share the axis, and the first alone would cut the others off.
+        round_ticks(grid[0].yaxis)
         grid[0].set_ylim(0, 1.08 * _highest(methods))
         grid[0].set_ylabel("control steps of an episode")
         handles, labels = grid[0].get_legend_handles_labels()
@@ -69,5 +67,5 @@ def _parts(axes: Axes, rounds: list[Mapping[str, Any]]) -> None:
     # Seeds differ in T, so the mean bound is split in proportion and not computed anew.
     fit = value * np.divide(epsilon, epsilon + xi, out=np.zeros_like(xi), where=epsilon + xi > 0)
     axes.bar(number, fit, width=0.8, color=FIT, label="T ε: fitting error")
-    axes.bar(number, value - fit, 0.8, bottom=fit, color=SKY, label="T ξ: outside the support")
+    axes.bar(number, value - fit, 0.8, bottom=fit, color=OUTSIDE, label="T ξ: outside the support")
     axes.plot(number, measured, color=INK, marker="o", markersize=5, label="measured J")

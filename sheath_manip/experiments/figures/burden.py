@@ -8,16 +8,20 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from sheath_manip.experiments.figures.findings import burden as found
 from sheath_manip.experiments.figures.style import (
     counted,
     drawing,
+    drawn_methods,
     heading,
     last_round,
+    left_out,
     legend_below,
     looks,
     offsets,
     percent_axis,
     round_axis,
+    round_ticks,
     shown,
 )
 
@@ -28,15 +32,16 @@ def burden(summary: Mapping[str, Any], path: Path) -> None:
     with drawing(path, height_px=1100) as figure:
         heading(
             figure,
-            f"{summary['experiment'].capitalize()}: what the expert had to do",
-            f"means over {counted(seeds, 'training seed')} with "
+            found(summary),
+            f"{summary['experiment']}, means over {counted(seeds, 'training seed')} with "
             f"{counted(summary['plan']['schedule']['episodes'], 'episode')} a round; round 0 are "
-            "the demonstrations, which all methods share",
+            f"the demonstrations, which all methods share{left_out(methods)}",
         )
         grid = figure.subplots(2, 2)
         share, switches, queries, total = grid.ravel()
-        beside = offsets(len(methods))
-        for offset, (name, look) in zip(beside, looks(list(methods)).items(), strict=True):
+        names, look_of = drawn_methods(methods), looks(methods)
+        for offset, name in zip(offsets(len(names)), names, strict=True):
+            look = look_of[name]
             entries = methods[name]["rounds"]
             learning = [entry for entry in entries if entry["round"] > 0]
             _line(share, name, look, offset, learning, _values(learning, "expert_share"))
@@ -53,34 +58,27 @@ def burden(summary: Mapping[str, Any], path: Path) -> None:
             grid.ravel(), ("share of steps", "switches", "labels", "labels"), strict=True
         ):
             axes.set_ylabel(unit)
-        percent_axis(share)
         for axes in (queries, total):
             axes.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
         for axes in grid.ravel():
-            axes.set_ylim(bottom=0)
+            round_ticks(axes.yaxis)
+            # Room for a marker below the title.
+            axes.set_ylim(0, 1.08 * axes.dataLim.y1 or 1.0)
             round_axis(axes, last_round(summary))
+        percent_axis(share)
         legend_below(figure, share)
 
 
 def _line(
     axes: Axes,
     name: str,
-    look: tuple[str, str],
+    look: Mapping[str, Any],
     offset: float,
     entries: Sequence[Mapping[str, Any]],
     values: Sequence[float],
 ) -> None:
-    colour, marker = look
-    axes.plot(
-        [entry["round"] + offset for entry in entries],
-        values,
-        color=colour,
-        marker=marker,
-        markersize=5.5,
-        clip_on=False,
-        zorder=3,
-        label=shown(name),
-    )
+    number = [entry["round"] + offset for entry in entries]
+    axes.plot(number, values, **look, markersize=5.5, clip_on=False, zorder=3, label=shown(name))
 
 
 def _values(entries: Sequence[Mapping[str, Any]], key: str) -> list[float]:

@@ -1,5 +1,6 @@
 """One intervention as a strip of frames above the support score."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -7,86 +8,148 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from sheath_manip.experiments.figures.intervention import Intervention, expert_acted
-from sheath_manip.experiments.figures.style import EXPERT, GREY, INK, POLICY, drawing, heading
-from sheath_manip.types import Actor, Step
+from sheath_manip.experiments.figures.style import (
+    EXPERT,
+    GREY,
+    INK,
+    POLICY,
+    drawing,
+    heading,
+    round_ticks,
+)
+from sheath_manip.metrics import runs_of
+from sheath_manip.playback import palette
+from sheath_manip.playback.labels import actor_label
+from sheath_manip.support.calibration import REJECT_ALL
+from sheath_manip.types import Reason
 
-FRAMES = 7
+FRAMES = 5
+_LEADS = {
+    Reason.OUTSIDE: "The policy leaves its support",
+    Reason.RISK: "The policy wants what no expert did in such a state",
+}
+"""what leads to an intervention, where it is one of the gate's two questions"""
 
 
 def film_strip(shown: Intervention, path: Path) -> None:
     """Frames framed in the colour of who acts, and below them score and threshold over time."""
-    info, steps = shown.episode.info, shown.episode.steps
-    window = shown.window
-    frames = np.rint(np.linspace(window.start, window.stop - 1, FRAMES)).astype(int)
-    with drawing(path, height_px=820) as figure:
+    episode, window = shown.episode, shown.window
+    info = episode.info
+    # One more than there are steps where the episode ends in it.
+    last = window.stop - (window.stop < len(episode))
+    moments = np.rint(np.linspace(window.start, last, FRAMES)).astype(int).tolist()
+    images = shown.view.pictures(episode, moments)
+    # A narrow picture leaves room that nobody needs.
+    tall = 320 * images[0].shape[0] / images[0].shape[1] + 130
+    with drawing(path, height_px=round(min(tall, 450) + 520)) as figure:
         heading(
             figure,
-            "An intervention: the policy leaves its support, the expert acts "
-            f"for {shown.expert_s:.1f} s" + (" and hands back" if window.stop > shown.stop else ""),
-            f"{info.task}, round {info.round}, seed {info.run_seed}, scene {info.seed}; the frames "
-            "are marked below by their letters",
+            _finding(shown),
+            f"{info.task}, {info.method}, round {info.round}, training seed {info.run_seed}, "
+            f"scene {info.seed}; the letters mark the frames below",
         )
-        above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 1.25))[:, 0]
-        images = shown.view.pictures(shown.episode, frames.tolist())
+        ratios = (min(tall, 450), 430)
+        above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=ratios)[:, 0]
         for number, axes in enumerate(above.subplots(1, FRAMES)):
-            step = steps[frames[number]]
-            _frame(axes, step, images[number], chr(ord("a") + number))
+            _frame(axes, shown, moments[number], images[number], chr(ord("a") + number))
         axes = below.subplots()
         _score(axes, shown)
         top = axes.get_ylim()[1]
-        for number, index in enumerate(frames):
-            time_s = steps[index].observation.time_s
+        for number, moment in enumerate(moments):
+            time_s = _time_s(shown, moment)
             axes.axvline(time_s, color=GREY, linewidth=0.8, linestyle=":", zorder=1)
             axes.text(
                 time_s, top, chr(ord("a") + number), ha="center", va="bottom", fontweight="bold"
             )
 
 
-def _frame(axes: Axes, step: Step, image: NDArray[np.uint8], letter: str) -> None:
+def _finding(shown: Intervention) -> str:
+    decision = shown.episode.steps[shown.start].decision
+    lead = _LEADS.get(decision.reason, f"The gate says {decision.reason.value!r}")
+    who = actor_label(decision.actor, decision.reason).removesuffix(" acts")
+    back = " and hands back" if shown.window.stop > shown.stop else ""
+    return f"{lead}: the {who} acts for {shown.expert_s:.1f} s{back}"
+
+
+def _time_s(shown: Intervention, moment: int) -> float:
+    steps = shown.episode.steps
+    if moment < len(steps):
+        return steps[moment].observation.time_s
+    return shown.episode.final_observation.time_s
+
+
+def _frame(
+    axes: Axes, shown: Intervention, moment: int, image: NDArray[np.uint8], letter: str
+) -> None:
     axes.imshow(image, interpolation="lanczos")
     axes.set_xticks([])
     axes.set_yticks([])
     axes.grid(False)
-    colour = POLICY if step.decision.actor is Actor.POLICY else EXPERT
+    episode = shown.episode
+    if moment < len(episode):
+        decision = episode.steps[moment].decision
+        colour = palette.css(palette.turn(decision.actor, decision.reason))
+        words = decision.actor.value
+    else:
+        colour, words = palette.css(palette.OUTCOME[episode.outcome]), episode.outcome.value
     for spine in axes.spines.values():
         spine.set(visible=True, color=colour, linewidth=4)
-    axes.set_title(f"{letter}  {step.decision.actor}", color=colour, fontweight="bold")
-    axes.set_xlabel(f"{step.observation.time_s:.1f} s", color=GREY)
+    axes.set_title(f"{letter}  {words}", color=INK, fontweight="bold")
+    axes.set_xlabel(f"{_time_s(shown, moment):.1f} s", color=GREY)
 
 
 def _score(axes: Axes, shown: Intervention) -> None:
-    """Score and threshold, shaded by who acts; crosses where policy and expert differ."""
+    """Score and threshold, shaded by who acts; a band where policy and expert differ."""
     steps = shown.episode.steps[shown.window]
     times = np.array([step.observation.time_s for step in steps])
-    scores = np.array([step.decision.score for step in steps])
+    scores = _drawable([step.decision.score for step in steps])
     expert = expert_acted(shown.episode)[shown.window]
-    half = 0.5 / shown.episode.info.control_rate_hz
-    for colour, who, name in ((POLICY, ~expert, "policy acts"), (EXPERT, expert, "expert acts")):
-        for number, time_s in enumerate(times[who]):
-            axes.axvspan(
-                time_s - half,
-                time_s + half,
-                color=colour,
-                alpha=0.13,
-                linewidth=0,
-                label=name if number == 0 else None,
-            )
-    axes.plot(times, scores, color=INK, marker="o", markersize=4, label="support score")
-    threshold = [step.decision.threshold for step in steps]
+    step_s = 1 / shown.episode.info.control_rate_hz
+    # Hatched as well, for those who see no colours.
+    for mask, colour, hatch, name in (
+        (~expert, POLICY, "", "policy acts"),
+        (expert, EXPERT, "////", "expert acts"),
+    ):
+        spans = _spans(times, mask, step_s)
+        look = {"facecolor": f"{colour}22", "edgecolor": f"{colour}44", "hatch": hatch}
+        for number, (start, stop) in enumerate(spans):
+            label = name if number == 0 else None
+            axes.axvspan(start, stop, **look, linewidth=0, label=label)
+    axes.plot(times, scores, color=INK, marker="o", markersize=4, label="score")
+    threshold = _drawable([step.decision.threshold for step in steps])
     axes.plot(times, threshold, color=INK, linestyle=(0, (4, 3)), linewidth=1, label="threshold")
-    differ = shown.view.disagreed(shown.episode)[shown.window]
     low, high = axes.get_ylim()
-    axes.set_ylim(low - 0.22 * (high - low), high)
-    axes.plot(
-        times[differ],
-        np.full(int(differ.sum()), low - 0.1 * (high - low)),
-        linestyle="",
-        marker="x",
-        color=INK,
-        markersize=6,
-        label="policy and expert want different actions",
-    )
-    axes.set_xlim(times[0] - half, times[-1] + half)
+    bottom = low - 0.14 * (high - low)
+    differ = shown.view.disagreed(shown.episode)[shown.window]
+    for number, (start, stop) in enumerate(_spans(times, differ, step_s)):
+        axes.fill_between(
+            [start, stop],
+            bottom,
+            bottom + 0.07 * (high - low),
+            color=INK,
+            linewidth=0,
+            label="policy and expert want different actions" if number == 0 else None,
+        )
+    axes.set_ylim(bottom, high)
+    ends = shown.window.stop == len(shown.episode)
+    axes.set_xlim(times[0] - step_s / 2, times[-1] + (1.5 if ends else 0.5) * step_s)
+    round_ticks(axes.xaxis, 8)
+    round_ticks(axes.yaxis, 5)
     axes.set_xlabel("time in the episode (s)")
-    axes.set_ylabel("support score")
+    axes.set_ylabel("score")
     axes.figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=5)
+
+
+def _drawable(values: Sequence[float]) -> NDArray[np.float64]:
+    """NaN, which is not drawn, for what has no bound."""
+    array = np.array(values, float)
+    return np.where(np.abs(array) < REJECT_ALL, array, np.nan)
+
+
+def _spans(
+    times: NDArray[np.float64], mask: NDArray[np.bool_], step_s: float
+) -> list[tuple[float, float]]:
+    """Return (from, until) in seconds of each run of steps in which `mask` (t,) holds."""
+    return [
+        (times[start] - step_s / 2, times[stop - 1] + step_s / 2) for start, stop in runs_of(mask)
+    ]

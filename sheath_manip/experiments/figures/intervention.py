@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
+from sheath_manip.playback.frames import side_by_side
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.types import Action, ActionSpec, Episode, Outcome, Purpose
 
@@ -20,7 +21,8 @@ LONGEST_S = 2.4
 """longer ones show nothing more"""
 
 Pictures = Callable[[Episode, Sequence[int]], Sequence[NDArray[np.uint8]]]
-"""(h, w, 3) RGB of steps of an episode, all of one size"""
+"""(h, w, 3) RGB of moments of an episode of T steps, all of one size: 0 .. T - 1 before a step, T
+after the last one"""
 
 
 class NothingToShowError(StoreError):
@@ -28,12 +30,13 @@ class NothingToShowError(StoreError):
 
 
 def recorded(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.uint8]]:
-    """Return what the first camera saw; raises NothingToShowError where there was none."""
+    """Return what the cameras saw, side by side; raises NothingToShowError where there was none."""
     if not episode.final_observation.images:
         raise NothingToShowError(
             f"{episode.info.task} was seen by no camera; wanted images, or a `picture` in its entry"
         )
-    return [next(iter(episode.steps[index].observation.images.values())) for index in indices]
+    seen = (*(step.observation for step in episode.steps), episode.final_observation)
+    return [side_by_side(seen[index].images) for index in indices]
 
 
 @dataclass(frozen=True)

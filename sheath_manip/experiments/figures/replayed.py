@@ -37,10 +37,11 @@ def replayed(
     episode: Episode,
     indices: Sequence[int],
 ) -> Sequence[NDArray[np.uint8]]:
-    """A `picture` of each of those steps, in the `environment` of the episode's training run."""
+    """A `picture` of each of those moments, in the `environment` of the episode's training run."""
     environment.reset(episode.info.seed)
+    states = (*(step.state for step in episode.steps), episode.final_state)
     found = []
     for index in indices:
-        environment.restore(episode.steps[index].state)
+        environment.restore(states[index])
         found.append(picture(environment))
     return found

@@ -7,24 +7,28 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from sheath_manip.experiments.figures.findings import failures
 from sheath_manip.experiments.figures.style import (
     INK,
+    PAPER,
+    capitalised,
     counted,
     drawing,
+    drawn_methods,
     heading,
     last_round,
+    left_out,
     legend_below,
     looks,
     offsets,
     percent_axis,
     quantity,
     round_axis,
+    round_ticks,
     shown,
 )
 
 FAILURE = "failure_rate"
-HIGHEST = 1.25
-"""of the highest point, up to which intervals are shown: those of two runs leave every scale"""
 
 
 def rounds(summary: Mapping[str, Any], path: Path) -> None:
@@ -35,12 +39,11 @@ def rounds(summary: Mapping[str, Any], path: Path) -> None:
     with drawing(path, height_px=1150) as figure:
         heading(
             figure,
-            f"{summary['experiment'].capitalize()}: failures and {name}, "
-            "while learning and afterwards",
-            f"{counted(len(summary['seeds']), 'training seed')} with "
+            failures(summary),
+            f"{summary['experiment']}, {counted(len(summary['seeds']), 'training seed')} with "
             f"{counted(plan['schedule']['episodes'], 'episode')} a round; each policy alone on "
             f"{counted(plan['comparison']['evaluation_episodes'], 'held-out scene')}; "
-            "bars are 95 % intervals",
+            f"bars are 95 % intervals{left_out(summary['methods'])}",
         )
         grid = figure.subplots(2, 4, width_ratios=(6, 1.1, 6, 1.1))
         for column, figure_name in ((0, FAILURE), (2, metric)):
@@ -62,9 +65,9 @@ def rounds(summary: Mapping[str, Any], path: Path) -> None:
         for axes in grid[:, 2]:
             axes.set_ylabel(name)
         grid[0, 0].set_title("Failed episodes while learning, under the gate")
-        grid[0, 2].set_title(f"{name.capitalize()} while learning, under the gate")
+        grid[0, 2].set_title(f"{capitalised(name)} while learning, under the gate")
         grid[1, 0].set_title("Failed episodes of the policy alone")
-        grid[1, 2].set_title(f"{name.capitalize()} of the policy alone")
+        grid[1, 2].set_title(f"{capitalised(name)} of the policy alone")
         legend_below(figure, grid[0, 0])
 
 
@@ -73,9 +76,8 @@ def _by_round(
 ) -> None:
     """One line a method from round `first` on, with its intervals, and the expert's level."""
     methods = summary["methods"]
-    for offset, (name, (colour, marker)) in zip(
-        offsets(len(methods)), looks(list(methods)).items(), strict=True
-    ):
+    names, look_of = drawn_methods(methods), looks(methods)
+    for offset, name in zip(offsets(len(names)), names, strict=True):
         points = [
             (
                 entry["round"] + (offset if entry["round"] else 0.0),
@@ -85,9 +87,9 @@ def _by_round(
             if entry["round"] >= first
         ]
         x, value, low, high = np.array(points, dtype=float).T
-        axes.vlines(x, low, high, color=colour, alpha=0.4, linewidth=2.2)
-        look = {"color": colour, "marker": marker, "markersize": 5, "clip_on": False}
-        axes.plot(x, value, **look, zorder=3, label=shown(name))
+        look = look_of[name]
+        axes.vlines(x, low, high, color=look["color"], alpha=0.4, linewidth=2.2)
+        axes.plot(x, value, **look, markersize=5, clip_on=False, zorder=3, label=shown(name))
         if first == 0:
             # Every method starts from this one policy.
             axes.plot(0, value[0], "o", color=INK, markersize=6, zorder=4)
@@ -95,21 +97,26 @@ def _by_round(
     round_axis(axes, last_round(summary))
     if figure_name == FAILURE:
         percent_axis(axes)
+    else:
+        round_ticks(axes.yaxis)
 
 
 def _pooled(axes: Axes, summary: Mapping[str, Any], what: str, figure_name: str) -> None:
     """All rounds in one, or the last policies on the final variant: one point a method."""
     methods = summary["methods"]
-    for position, (name, (colour, marker)) in enumerate(looks(list(methods)).items()):
+    names, look_of = drawn_methods(methods), looks(methods)
+    for position, name in enumerate(names):
         value, low, high = _point(methods[name][what], figure_name)
-        axes.vlines(position, low, high, color=colour, alpha=0.4, linewidth=3.5)
-        axes.plot(position, value, color=colour, marker=marker, markersize=6.5, clip_on=False)
+        look = look_of[name]
+        axes.vlines(position, low, high, color=look["color"], alpha=0.4, linewidth=3.5)
+        axes.plot(position, value, **look, markersize=6.5, clip_on=False)
     if what == "overall":
         _expert(axes, summary, figure_name)
-    axes.set_xlim(-0.8, len(methods) - 0.2)
+    axes.set_xlim(-0.8, len(names) - 0.2)
     axes.set_xticks([])
     axes.set_xlabel({"overall": "all\nrounds", "final": "final\nvariant"}[what])
-    axes.set_facecolor("#f6f7f9")
+    axes.set_facecolor(PAPER)
+    round_ticks(axes.yaxis)
     if figure_name == FAILURE or what == "overall":
         _as_beside(axes)
 
@@ -136,13 +143,12 @@ def _point(figures: Mapping[str, Any], name: str) -> tuple[float, float, float]:
 
 def _fit_height(panels: Sequence[Axes]) -> None:
     """One range for panels of one quantity, which holds all points and is never below 0."""
-    points = np.concatenate([np.ravel(line.get_ydata()) for axes in panels for line in axes.lines])
-    highest = np.max(points, where=np.isfinite(points), initial=0.0)
     limits = [axes.dataLim for axes in panels]
     low, high = min(limit.y0 for limit in limits), max(limit.y1 for limit in limits)
     if not np.isfinite([low, high]).all():
         low, high = 0.0, 1.0
-    high = min(high, HIGHEST * float(highest)) or high
+    # Of equal points there is still something to see below, and no tick above what is possible.
+    low = min(low, 0.9 * high)
     margin = 0.06 * max(high - low, 0.1)
     for axes in panels:
         axes.set_ylim(max(low - margin, 0.0), high + margin)

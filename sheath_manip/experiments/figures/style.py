@@ -1,6 +1,6 @@
-"""How every figure looks: one size, one colour and one marker a method, files equal to the byte."""
+"""How every figure looks: one size, one look a method, round ticks, files equal to the byte."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -8,39 +8,36 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from PIL import Image
+
+from sheath_manip.playback import palette
+from sheath_manip.playback.gif import limited
+from sheath_manip.types import Actor
 
 WIDTH_PX = 1600
 DPI = 160
+TITLE_PT, TITLE_LETTERS = 14.0, 78
+"""of a title, and how many of them fit into WIDTH_PX"""
 
-# Okabe and Ito, which colour-blind readers can tell apart; the marker says it a second time.
-BLUE, VERMILLION, ORANGE, GREEN, PURPLE, SKY = (
-    "#0072B2",
-    "#D55E00",
-    "#E69F00",
-    "#009E73",
-    "#CC79A7",
-    "#56B4E9",
+INK, GREY, PALE, PAPER = (
+    palette.css(rgb) for rgb in (palette.INK, palette.GREY, palette.PALE, palette.PAPER)
 )
-# Not theirs: dark enough beside their orange and vermillion.
-BROWN = "#7a4a1e"
-INK, GREY, PALE = "#22272e", "#6e747c", "#d9dce1"
-POLICY, EXPERT = BLUE, VERMILLION
+POLICY, EXPERT = (palette.css(palette.ACTOR[actor]) for actor in (Actor.POLICY, Actor.EXPERT))
 """the colours of who acts"""
+TICK_STEPS = (1, 2, 5, 10)
+"""what lies between two ticks, and powers of ten of it"""
 
 SPREAD = 0.44
 """of a round's width, over which the methods stand side by side so that none hides another"""
 
-METHODS = {
-    "cloning": (GREY, "D"),
-    "dagger": (VERMILLION, "s"),
-    "sheath": (BLUE, "o"),
-    "random-takeover": (ORANGE, "^"),
-}
-OTHERS = ((GREEN, "v"), (PURPLE, "P"), (SKY, "X"), (BROWN, "<"), (INK, "*"))
-"""for methods that have no colour of their own, in their order; with METHODS' nine in all"""
+MOST_METHODS = 4
+"""in a panel; the rest is in the table"""
+FIRST = ("sheath", "dagger", "random-takeover", "cloning")
+"""methods that are drawn before others"""
 LEGEND_COLUMNS = 5
 """of methods' names that fit beside each other"""
 
@@ -81,18 +78,31 @@ def drawing(path: Path, height_px: int, width_px: int = WIDTH_PX) -> Iterator[Fi
         limited(picture, 256).save(path, format="PNG", optimize=True)
 
 
-def limited(picture: Image.Image, colours: int, palette: Image.Image | None = None) -> Image.Image:
-    """`picture` in its own best `colours`, or in those of `palette`."""
-    # Coverage keeps what is small and bright, such as a car; k-means then what is large.
-    method, refinements = Image.Quantize.MAXCOVERAGE, 3
-    return picture.quantize(colours, method, refinements, palette, Image.Dither.NONE)
+def drawn_methods(methods: Iterable[str]) -> list[str]:
+    """Return the methods that a panel has room for, in their own order."""
+    listed = list(methods)
+    ranked = [name for name in FIRST if name in listed]
+    ranked += [name for name in listed if name not in FIRST]
+    return [name for name in listed if name in ranked[:MOST_METHODS]]
 
 
-def looks(names: list[str]) -> dict[str, tuple[str, str]]:
-    """Colour and marker of each method, the same in all figures of an experiment."""
-    others = [name for name in names if name not in METHODS]
-    spare = {name: OTHERS[index % len(OTHERS)] for index, name in enumerate(others)}
-    return {name: METHODS.get(name) or spare[name] for name in names}
+def left_out(methods: Collection[str]) -> str:
+    """Return what a subtitle says of the methods that are not drawn; empty where all are."""
+    count = len(methods) - min(len(methods), MOST_METHODS)
+    return f"; {counted(count, 'more method')} in the table" if count else ""
+
+
+def looks(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Return how matplotlib draws each method's line."""
+    return {
+        name: {
+            "color": palette.css(look.rgb),
+            "marker": look.marker,
+            "linestyle": (0, look.dashes) if look.dashes else "-",
+            "linewidth": 1.8,
+        }
+        for name, look in palette.methods(names).items()
+    }
 
 
 def shown(name: str) -> str:
@@ -115,8 +125,18 @@ def shown(name: str) -> str:
 
 def quantity(metric: str) -> str:
     """A metric as an axis calls it: `distance_tiles` is a distance in tiles."""
+    if metric in _WRITTEN:
+        return _WRITTEN[metric]
     name, _, unit = metric.rpartition("_")
     return f"{name.replace('_', ' ')} ({unit})" if name else unit
+
+
+_WRITTEN = {"iou": "IoU"}
+
+
+def capitalised(words: str) -> str:
+    """Return `words` with a capital first letter, and all others as they are."""
+    return words[:1].upper() + words[1:]
 
 
 def counted(count: int, what: str) -> str:
@@ -132,8 +152,12 @@ def legend_below(figure: Figure, axes: Axes) -> None:
 
 
 def heading(figure: Figure, title: str, below: str) -> None:
-    """Return a heading: what the figure shows, and of what."""
-    figure.suptitle(f"{title}\n\n", x=0.012, ha="left", fontsize=14, fontweight="bold")
+    """Write what the figure found, and below it of what."""
+    # What a finding says is as long as its numbers: a longer line is written smaller.
+    size_pt = TITLE_PT * min(1.0, TITLE_LETTERS * figure.bbox.width / WIDTH_PX / len(title))
+    figure.suptitle(
+        f"{capitalised(title)}\n\n", x=0.012, ha="left", fontsize=size_pt, fontweight="bold"
+    )
     figure.text(
         0.012, 1 - 0.40 * DPI / figure.bbox.height, below, fontsize=9.5, color=GREY, va="top"
     )
@@ -147,21 +171,27 @@ def offsets(count: int) -> np.ndarray:
 def round_axis(axes: Axes, rounds: int, label: bool = True) -> None:
     """Rounds 0 .. `rounds` along x."""
     axes.set_xlim(-0.5, rounds + 0.5)
-    axes.set_xticks(range(rounds + 1))
-    axes.tick_params(axis="x", length=0)
+    axes.xaxis.set_major_locator(MaxNLocator(11, integer=True, steps=TICK_STEPS))
+    # Below markers that stand on the axis.
+    axes.tick_params(axis="x", length=0, pad=7)
     if label:
         axes.set_xlabel("round (0: demonstrations)")
 
 
+def round_ticks(axis: Axis, intervals: int = 6) -> None:
+    """Put ticks at round numbers: 1, 2 or 5 times a power of ten apart."""
+    axis.set_major_locator(MaxNLocator(intervals, steps=TICK_STEPS))
+
+
 def percent_axis(axes: Axes) -> None:
     """Shares 0 .. 1 along y, written in per cent."""
-    axes.yaxis.set_major_formatter(_percent)
+    _percent(axes.yaxis)
 
 
 def percent_axes(axes: Axes) -> None:
     """Shares 0 .. 1 along x and y, written in per cent."""
-    axes.xaxis.set_major_formatter(_percent)
-    axes.yaxis.set_major_formatter(_percent)
+    _percent(axes.xaxis)
+    _percent(axes.yaxis)
 
 
 def last_round(summary: Mapping[str, Any]) -> int:
@@ -169,5 +199,12 @@ def last_round(summary: Mapping[str, Any]) -> int:
     return max(method["rounds"][-1]["round"] for method in summary["methods"].values())
 
 
-def _percent(value: float, _: float) -> str:
-    return f"{100 * value:.0f} %"
+def in_percent(share: float) -> str:
+    """Return a share as titles and ticks write it, with no more digits than say something."""
+    return f"{float(f'{100 * share:.2g}'):g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+def _percent(axis: Axis) -> None:
+    round_ticks(axis)
+    # Six digits leave nothing of a tick out, and bring no rounding of the machine's in.
+    axis.set_major_formatter(lambda value, _: f"{100 * value:.6g} %")

@@ -58,7 +58,7 @@ def run_gates(
         run_jobs(*in_stages(jobs), workers, report)
     summary = summarise(settings, plan, command, stopwatch.tick(force=True))
     write_json(results / "summary.json", summary)
-    paths = draw(settings, summary, results)
+    paths = draw(summary, results)
     console.print(tables(summary))
     for path in (results / "summary.json", *paths):
         console.print(f"  {path}")

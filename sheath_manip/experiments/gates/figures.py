@@ -1,125 +1,127 @@
-"""The benchmark's two figures: ROC curves, and failures against the expert's share."""
+"""The benchmark's two figures: what gates notice, and failures against the expert's share."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import offset_copy
 
 from sheath_manip.experiments.figures.style import (
-    BLUE,
-    GREEN,
     GREY,
     INK,
-    ORANGE,
-    OTHERS,
-    VERMILLION,
     drawing,
     heading,
+    in_percent,
+    looks,
     percent_axes,
+    round_ticks,
 )
-from sheath_manip.experiments.gates.offline import CURVE
 from sheath_manip.experiments.gates.rows import EXPERT, POLICY, RANDOM
-from sheath_manip.experiments.gates.setting import Setting
-from sheath_manip.experiments.gates.summary import offline_of
+from sheath_manip.experiments.gates.summary import NOTICED
 from sheath_manip.experiments.gates.table import by_costly_mistakes
 from sheath_manip.experiments.table import seeds_shown
 
+SHARE = "share"
+"""what the other figure's name ends in"""
+CHANCE = 0.5
+"""area under the curve of a score that knows nothing"""
 SHARES_SHOWN = 0.6
 """of the steps; beyond it the expert drives, and nothing fails"""
 
 
-def draw(settings: Sequence[Setting], summary: Mapping[str, Any], directory: Path) -> list[Path]:
+def draw(summary: Mapping[str, Any], directory: Path) -> list[Path]:
     """Write both figures of every task, and give their paths."""
     written = []
-    plan = summary["plan"]
     for task, found in summary["tasks"].items():
-        curves = {
-            name: offline_of([at for at in settings if at.task.name == task], name)["curves"]
-            for name, row in found["rows"].items()
-            if "auroc" in row
-        }
-        paths = [directory / f"{task}-{kind}.png" for kind in ("roc", "share")]
-        roc(task, found, curves, plan, paths[0])
-        failures_by_share(task, found, plan, paths[1])
-        written += paths
+        for kind, figure in ((NOTICED, noticed), (SHARE, failures_by_share)):
+            written.append(directory / f"{task}-{kind}.png")
+            figure(task, found, summary["plan"], written[-1])
     return written
 
 
-def roc(
-    task: str,
-    found: Mapping[str, Any],
-    curves: Mapping[str, Mapping[str, Sequence[float]]],
-    plan: Mapping[str, Any],
-    path: Path,
-) -> None:
-    """Left: states where no expert comes. Right: costly mistakes of the policy."""
-    looks = highlighted(found)
-    rows = found["rows"]
+def noticed(task: str, found: Mapping[str, Any], plan: Mapping[str, Any], path: Path) -> None:
+    """Draw one point a gate: how well it tells apart what no expert does, and costly mistakes."""
+    named = highlighted(found)
+    places = {name: _place(row) for name, row in found["rows"].items()}
+    places = {name: place for name, place in places.items() if place is not None}
+    middle = np.mean([min(places.values())[0], max(places.values())[0]])
+    areas = [places[name][1] for name in named if name in places]
     with drawing(path, height_px=1000) as figure:
         heading(
             figure,
-            f"{task.capitalize()}: what the gates notice",
-            f"{len(curves)} gates on the same policy and states; {plan['visited']} held-out scenes "
-            f"with the policy alone, training seeds {seeds_shown(plan['seeds'])}",
+            f"Costly mistakes: {found['default']} notices them with an area of {areas[0]:.2f}, the "
+            f"worst of {len(places)} gates with {areas[-1]:.2f}",
+            f"{task}; all gates on the same policy and {plan['visited']} held-out scenes, training "
+            f"seeds {seeds_shown(plan['seeds'])}; grey: the others, by name in the table",
         )
-        panels = figure.subplots(1, 2)
-        for axes, kind in zip(panels, ("far", "costly"), strict=True):
-            lines = {name: np.array(curve[kind], float) for name, curve in curves.items()}
-            for name in lines.keys() - looks:
-                axes.plot(CURVE, lines[name], color=GREY, alpha=0.3, linewidth=1)
-            for height, (name, (colour, said)) in enumerate(reversed(looks.items())):
-                axes.plot(CURVE, lines[name], color=colour, linewidth=2.2, label=f"{said}: {name}")
-                row = rows[name]
-                area = row["auroc_far"] if kind == "far" else row["errs"]["costly"]
-                said_area = "–" if area is None else f"{area:.3f}"
-                place = (0.98, 0.05 + 0.055 * height)
-                axes.annotate(said_area, place, ha="right", color=colour)
-            axes.plot([0, 1], [0, 1], color=INK, linewidth=1, linestyle=(0, (4, 3)), label="chance")
-            axes.set_xlim(0, 1)
-            axes.set_ylim(0, 1.005)
-            axes.grid(visible=True, axis="both")
-            percent_axes(axes)
-        panels[0].set_title("Displaced to where no expert comes")
-        panels[1].set_title("The policy makes a costly mistake")
-        panels[0].set_ylabel("share of the displaced states outside")
-        panels[1].set_ylabel("share of the mistakes outside")
-        panels[0].set_xlabel("share of new expert states outside (numbers: areas under curves)")
-        panels[1].set_xlabel("share of the policy's other states outside")
-        handles, labels = panels[0].get_legend_handles_labels()
-        # In the order of the numbers, from above; chance last.
-        order = [*reversed(range(len(looks))), len(looks)]
-        handles, labels = [handles[i] for i in order], [labels[i] for i in order]
-        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+        axes = figure.subplots()
+        look_of = _looks(named)
+        for name in sorted(places.keys() - named.keys()):
+            axes.plot(*places[name], "o", color=GREY, alpha=0.35, markersize=7)
+        for number, name in enumerate(each for each in named if each in places):
+            look = look_of[name]
+            axes.plot(*places[name], **look, markersize=13, zorder=3, clip_on=False)
+            # Good gates lie close to each other: their names one below the other, to the left.
+            x, y = places[name]
+            left = x > middle
+            shift = (-14, 14 - 22 * number) if left else (14, 12)
+            place = offset_copy(axes.transData, figure, *shift, units="points")
+            axes.text(
+                x,
+                y,
+                f"{named[name]}: {name}",
+                transform=place,
+                ha="right" if left else "left",
+                va="center",
+                fontsize=13,
+                path_effects=[withStroke(linewidth=4, foreground="white")],
+                zorder=4,
+            )
+        lowest = min(CHANCE, *(each for place in places.values() for each in place)) - 0.01
+        axes.set_xlim(lowest, 1.01)
+        axes.set_ylim(lowest, 1.01)
+        axes.grid(visible=True, axis="both")
+        round_ticks(axes.xaxis)
+        round_ticks(axes.yaxis)
+        axes.tick_params(labelsize=12)
+        axes.set_xlabel("area under the curve: displaced to where no expert comes", fontsize=13)
+        axes.set_ylabel("area under the curve: costly mistakes of the policy", fontsize=13)
+
+
+def _place(row: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Both areas of a gate; None where it has none."""
+    found = row.get("auroc_far"), row.get("errs", {}).get("costly")
+    return None if None in found else found
 
 
 def failures_by_share(
     task: str, found: Mapping[str, Any], plan: Mapping[str, Any], path: Path
 ) -> None:
     """Draw how often a gate fails while the expert acts in so many of the steps."""
-    rows, looks = found["rows"], highlighted(found)
+    rows, named = found["rows"], highlighted(found)
+    driven = {name: named.get(name, "") for name in (*named, RANDOM) if rows[name]["loop"]}
+    alone = rows[POLICY]["loop"]["points"][0]
+    default = min(
+        rows[found["default"]]["loop"]["points"],
+        key=lambda point: abs(point["expert_share"] - plan["share"]),
+    )
     with drawing(path, height_px=1000) as figure:
         heading(
             figure,
-            f"{task.capitalize()}: what the gates save, by what they ask of the expert",
-            f"the same policy on the same scenes, {plan['episodes']} for each threshold of a "
-            f"coloured gate, {plan['other_episodes']} or as many of a grey one; bars are 95 % "
-            "intervals",
+            f"{found['default']} fails in {_failed(default)} scenes with the expert in "
+            f"{in_percent(default['expert_share'])} of the steps, the policy alone in "
+            f"{_failed(alone)}",
+            f"{task}; the same policy on the same {plan['episodes']} scenes for each threshold; "
+            "bars are 95 % intervals; the other gates are in the table",
         )
         axes = figure.subplots()
-        alone = rows[POLICY]["loop"]["points"][0]
-        driven = {name: row for name, row in rows.items() if row["loop"] is not None}
-        for name, row in driven.items():
-            if name not in looks and name not in (POLICY, EXPERT, RANDOM):
-                shares, rates, *_ = _curve(row["loop"])
-                axes.plot(shares, rates, color=GREY, alpha=0.3, linewidth=1, marker=".", zorder=1)
-        _bars(axes, rows[RANDOM]["loop"], ORANGE, "^", "random takeover", alone)
-        markers = ("o", *(marker for _, marker in OTHERS))
-        for (name, (colour, said)), marker in zip(looks.items(), markers * 9, strict=False):
-            if name not in driven:
-                continue
-            _bars(axes, rows[name]["loop"], colour, marker, f"{said}: {name}", alone)
+        look_of = _looks(named)
+        for name, role in driven.items():
+            label = f"{role}: {name}" if role else name.replace("-", " ")
+            _bars(axes, rows[name]["loop"], look_of[name], label, alone)
         executed = alone["executed"]
         low, high = executed["ci95"]["failure_rate"]
         axes.vlines(0, low, high, color=INK, alpha=0.4, linewidth=2.2)
@@ -134,46 +136,51 @@ def failures_by_share(
             color=GREY,
             va="top",
         )
-        axes.set_xlim(-0.01, SHARES_SHOWN)
-        axes.set_ylim(bottom=0)
+        axes.set_xlim(-0.01, min(1.1 * axes.dataLim.x1, SHARES_SHOWN))
+        axes.set_ylim(0, 1.05 * axes.dataLim.y1)
         percent_axes(axes)
         axes.set_xlabel("steps in which the expert acted")
         axes.set_ylabel("episodes failed")
         figure.legend(loc="outside lower center", ncols=2)
 
 
-def highlighted(found: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    """Colour and role of the gates worth telling apart: the default, the best other, the worst, and
-    those with more than one signal."""
+def highlighted(found: Mapping[str, Any]) -> dict[str, str]:
+    """Role of the gates worth telling apart, three at most: the default, the best other one, the
+    worst. With random takeover they are as many as a panel holds."""
     rows = by_costly_mistakes({name: row for name, row in found["rows"].items() if "errs" in row})
     default = found["default"]
-    looks: dict[str, tuple[str, str]] = {}
-    if default in rows:
-        looks[default] = (BLUE, "default")
+    named = {default: "default"} if default in rows else {}
     others = [name for name in rows if name != default]
     if others:
-        looks[others[0]] = (GREEN, "best other")
-        looks.setdefault(others[-1], (VERMILLION, "worst"))
-    joined = [name for name in others if len(rows[name]["signals"]) > 1]
-    for name, (colour, _) in zip(joined, OTHERS[1:] * len(joined), strict=False):
-        looks.setdefault(name, (colour, "joined"))
-    return looks
+        named[others[0]] = "best other"
+        named.setdefault(others[-1], "worst")
+    return named
+
+
+def _looks(named: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """The default is drawn as SHEATH is, which it is the gate of."""
+    like = dict(zip(named, ("sheath", "best other", "dagger"), strict=False)) | {RANDOM: RANDOM}
+    return {name: looks(like.values())[of] for name, of in like.items()}
 
 
 def _bars(
     axes: Axes,
     loop: Mapping[str, Any],
-    colour: str,
-    marker: str,
+    look: Mapping[str, Any],
     label: str,
     alone: Mapping[str, Any],
 ) -> None:
     """A gate's points with their intervals, joined to the policy alone."""
     shares, rates, low, high = _curve(loop)
-    axes.vlines(shares, low, high, color=colour, alpha=0.3, linewidth=2.2)
+    axes.vlines(shares, low, high, color=look["color"], alpha=0.3, linewidth=2.2)
     start = alone["executed"]["failure_rate"]
-    axes.plot([0, *shares], [start, *rates], color=colour, linewidth=1.2, alpha=0.6)
-    axes.plot(shares, rates, marker, color=colour, markersize=6.5, clip_on=False, label=label)
+    axes.plot([0, *shares], [start, *rates], **{**look, "marker": ""}, alpha=0.6)
+    axes.plot(shares, rates, **{**look, "linestyle": ""}, markersize=7, clip_on=False, label=label)
+
+
+def _failed(point: Mapping[str, Any]) -> str:
+    executed = point["executed"]
+    return f"{round(executed['failure_rate'] * executed['episodes'])} of {executed['episodes']}"
 
 
 def _curve(loop: Mapping[str, Any]) -> np.ndarray:

@@ -29,9 +29,6 @@ from sheath_manip.support.calibration import (
 from sheath_manip.types.samples import Samples, samples_from
 from sheath_manip.types.seen import Seen
 
-CURVE = np.round(np.linspace(0, 1, 51), 2)
-"""false-alarm rates at which ROC curves are kept"""
-
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -102,8 +99,6 @@ class Offline:
     alarm: Alarm
     thresholds: Mapping[str, float]
     """for the loop, by the false-alarm rate asked for"""
-    curves: Mapping[str, list[float]]
-    """detection rates at the false-alarm rates CURVE: `far` displaced states, `costly` mistakes"""
 
 
 def evidence(setting: Setting, policy: TrainablePolicy, readers: Sequence[Reader]) -> Evidence:
@@ -157,10 +152,6 @@ def measured(gate: FittedGate, seen: Evidence, setting: Setting) -> Offline:
         ),
         alarm=_alarm(gate.threshold, calibration, drives, setting),
         thresholds={str(rate): _threshold(calibration, rate) for rate in plan.rates},
-        curves={
-            "far": _curve(expert, far),
-            "costly": _curve(on_policy[~costly], on_policy[costly]),
-        },
     )
 
 
@@ -206,7 +197,3 @@ def _alarm(
 
 def _threshold(scores_by_episode: Sequence[NDArray], rate: float) -> float:
     return or_reject_all(lambda: held_out_threshold(scores_by_episode, rate))
-
-
-def _curve(inside: NDArray, outside: NDArray) -> list[float]:
-    return [round(float(rate), 3) for rate in detected(inside, outside, CURVE)]

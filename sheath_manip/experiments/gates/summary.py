@@ -17,6 +17,9 @@ from sheath_manip.experiments.summary import program
 from sheath_manip.json_files import plain
 from sheath_manip.metrics import EpisodeRecord, Figures, expert_share, figures_of
 
+NOTICED = "noticed"
+"""what the name of the figure for a talk ends in"""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -70,6 +73,7 @@ def summarise(
             "seeds": plan.seeds,
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
+            "talk": f"{settings[0].task.name}-{NOTICED}.png",
             "tasks": {name: task_summary(found) for name, found in by_task.items()},
         }
     )

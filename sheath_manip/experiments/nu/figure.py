@@ -11,17 +11,22 @@ from matplotlib.colors import to_hex
 
 from sheath_manip.experiments.figures.style import (
     INK,
+    capitalised,
     counted,
     drawing,
     heading,
+    in_percent,
     legend_below,
     offsets,
     percent_axis,
     quantity,
     round_axis,
+    round_ticks,
 )
 
 MARKERS = "osDv^P*X"
+LINES = 3
+"""by round: the smallest support, the largest, and one between them"""
 
 
 def draw(summary: Mapping[str, Any], directory: Path) -> list[Path]:
@@ -36,25 +41,27 @@ def draw(summary: Mapping[str, Any], directory: Path) -> list[Path]:
 def nu_figure(task: str, found: Mapping[str, Any], path: Path) -> None:
     """Above by round, a line for each nu; below against nu, all rounds in one."""
     rows, metric = found["nus"], found["metric"]
-    name = quantity(metric)
+    name, seeds = quantity(metric), len(found["learning"]["comparison"]["seeds"])
     with drawing(path, height_px=1100) as figure:
         heading(
             figure,
-            f"{task.capitalize()}: the size of the support and learning",
-            "ν bounds the training states that the support leaves outside; the gate is its own "
-            f"boundary; {counted(len(found['learning']['comparison']['seeds']), 'training seed')}, "
+            _finding(rows, metric),
+            f"{task}, {counted(seeds, 'training seed')}; ν bounds the training states that the "
+            "support leaves outside; the gate is its own boundary; "
             "bars are 95 % intervals",
         )
         grid = figure.subplots(2, 2)
         shades = colormaps["viridis"](np.linspace(0.0, 0.85, len(rows)))
         beside = offsets(len(rows))
+        lines = set(np.linspace(0, len(rows) - 1, LINES).astype(int).tolist())
         for index, (row, shade) in enumerate(zip(rows, shades, strict=True)):
             marker = MARKERS[index % len(MARKERS)]
             look = {"color": to_hex(shade), "marker": marker, "label": f"ν = {row['nu']:g}"}
-            learning = row["rounds"][1:]
-            number = [entry["round"] + beside[index] for entry in learning]
-            grid[0, 0].plot(number, [entry["xi"] for entry in learning], **look)
-            _with_bars(grid[0, 1], row["rounds"], metric, beside[index], look)
+            if index in lines:
+                learning = row["rounds"][1:]
+                number = [entry["round"] + beside[index] for entry in learning]
+                grid[0, 0].plot(number, [entry["xi"] for entry in learning], **look)
+                _with_bars(grid[0, 1], row["rounds"], metric, beside[index], look)
             area = row["area"]["policy"]
             grid[1, 0].plot(row["nu"], row["outside"], markersize=8, **look)
             grid[1, 1].vlines(row["nu"], *area["ci95"], color=look["color"], alpha=0.4, linewidth=3)
@@ -67,18 +74,30 @@ def nu_figure(task: str, found: Mapping[str, Any], path: Path) -> None:
         for axes in grid[1]:
             _nu_axis(axes, nus)
         grid[0, 0].set_title("Steps outside the support, where the expert acts")
-        grid[0, 1].set_title(f"{name.capitalize()} of the policy alone")
+        grid[0, 1].set_title(f"{capitalised(name)} of the policy alone")
         grid[1, 0].set_title("Steps outside, all rounds")
         grid[1, 1].set_title("Policy alone, mean over all rounds (area)")
-        for axes in grid[:, 0]:
-            axes.set_ylabel("share of steps")
-            percent_axis(axes)
         for axes in grid[:, 1]:
             axes.set_ylabel(name)
         for axes in grid.flat:
+            round_ticks(axes.yaxis)
             # Room for a marker: values close to each other leave none of their own.
-            axes.set_ylim(0, 1.05 * axes.get_ylim()[1])
+            axes.set_ylim(0, 1.08 * axes.dataLim.y1 or 1.0)
+        for axes in grid[:, 0]:
+            axes.set_ylabel("share of steps")
+            percent_axis(axes)
         legend_below(figure, grid[0, 0])
+
+
+def _finding(rows: Sequence[Mapping[str, Any]], metric: str) -> str:
+    """What the smallest and the largest support did, from their numbers."""
+    first, last = rows[0], rows[-1]
+    shares = [in_percent(row["outside"]) for row in (first, last)]
+    means = [f"{row['area']['policy']['mean']:.3g}" for row in (first, last)]
+    return (
+        f"From ν = {first['nu']:g} to {last['nu']:g} the expert acts in {shares[0]} to {shares[1]} "
+        f"of the steps; {quantity(metric)} of the policy alone: {means[0]} to {means[1]}"
+    )
 
 
 def _with_bars(

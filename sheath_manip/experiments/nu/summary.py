@@ -69,6 +69,7 @@ def summarise(
             "seeds": sorted({seed for at in settings for seed in at.seeds}),
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
+            "talk": f"{settings[-1].task.name}-nu.png",
             "tasks": tasks,
         }
     )

@@ -6,16 +6,25 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import NothingToShowError
-from sheath_manip.experiments.figures.style import BLUE, GREY, INK, VERMILLION, drawing, heading
+from sheath_manip.experiments.figures.style import (
+    EXPERT,
+    GREY,
+    INK,
+    POLICY,
+    drawing,
+    heading,
+    in_percent,
+)
 from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.support.plane import NUS, plane_levels
+from sheath_manip.playback import palette
+from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.task import DrivingTask
 from sheath_manip.tasks.driving.track import Track
@@ -30,9 +39,11 @@ TURNED_DEG = (-30.0, 0.0, 30.0)
 """headings of the map, from the road's"""
 FAR_M = 500.0
 """beside the road: where the other cars wait"""
-SUPPORT = "#F0E442"
+SUPPORT = palette.css(palette.SUPPORT)
 GRASS, TARMAC = "#c3d3bd", "#9b9ba3"
-GATE_COLOURS = LinearSegmentedColormap.from_list("gate", [VERMILLION, "white", BLUE])
+GATE_COLOURS = LinearSegmentedColormap.from_list("gate", [EXPERT, "white", POLICY])
+SHOWN_PERCENTILE = 5.0
+"""of the map's scores, below which all have one colour: far off the road they say no more"""
 BATCH = 64
 
 
@@ -60,9 +71,10 @@ def draw_support(positions: NDArray, track: Track, path: Path, nus: Sequence[flo
     with drawing(path, height_px=1440) as figure:
         heading(
             figure,
-            "Where the expert has been: the estimated support of its positions",
-            f"one-class SVM on the (x, y) of {len(positions):,} states; ν is the share of them "
-            "that may lie outside",
+            f"The support of the expert's positions covers {_area_m2(levels, nus[0]):.0f} m² at "
+            f"ν = {nus[0]:g} and {_area_m2(levels, nus[-1]):.0f} m² at ν = {nus[-1]:g}",
+            f"driving; one-class SVM on the (x, y) of {len(positions):,} states; ν is the share of "
+            "them that may lie outside",
         )
         panels = figure.subplots(2, 2, sharex=True, sharey=True)
         for axes, nu in zip(panels.ravel(), nus, strict=True):
@@ -84,6 +96,12 @@ def draw_support(positions: NDArray, track: Track, path: Path, nus: Sequence[flo
         figure.legend(shapes, names, loc="outside lower center", ncols=2)
 
 
+def _area_m2(levels: PlaneLevels, nu: float) -> float:
+    """How much of the ground is inside."""
+    cell = float(np.diff(levels.x_m[:2])[0] * np.diff(levels.y_m[:2])[0])
+    return cell * int((levels.scores[nu] >= 0).sum())
+
+
 def gate_map(
     store: EpisodeStore,  # noqa: ARG001
     checkpoint: Checkpoint,
@@ -102,14 +120,19 @@ def gate_map(
         scores = pose_scores(checkpoint, environment, turned[:, :-1].reshape(-1, 3))
         scores = scores.reshape(ACROSS_STEPS, ALONG_STEPS)
         maps.append(np.concatenate([scores, scores[:, :1]], 1) - checkpoint.threshold)
-    reach = max(float(np.nanmax(np.abs(scores))) for scores in maps)
-    norm = Normalize(-reach, reach)
+    lowest = float(np.nanpercentile(maps, SHOWN_PERCENTILE))
+    highest = float(np.nanmax(maps))
+    norm = TwoSlopeNorm(0.0, min(lowest, -1e-6), max(highest, 1e-6))
+    on_road = np.abs(across) <= task.track.road_half_width
+    straight = maps[TURNED_DEG.index(0.0)] >= 0
     with drawing(path, height_px=580) as figure:
         heading(
             figure,
-            "Where the policy may drive: the gate's score over an empty road",
-            f"{checkpoint.method or 'policy'}, round {checkpoint.round}, seed "
-            f"{checkpoint.run_seed}, driven counter-clockwise; black: the gate's threshold",
+            f"The gate trusts the policy at {in_percent(straight[on_road].mean())} of the places "
+            f"on the road, and at {in_percent(straight[~on_road].mean())} beside it",
+            f"driving along an empty road, {checkpoint.method or 'policy'}, round "
+            f"{checkpoint.round}, seed {checkpoint.run_seed}, counter-clockwise; black: the "
+            "gate's threshold",
         )
         panels = figure.subplots(1, len(maps), sharey=True)
         for axes, turned_deg, scores in zip(panels, TURNED_DEG, maps, strict=True):
@@ -131,8 +154,21 @@ def gate_map(
             axes.set_title(f"heading {turn}")
             axes.set_xlabel("x (m)")
         panels[0].set_ylabel("y (m)")
-        bar = figure.colorbar(ScalarMappable(norm, GATE_COLOURS), ax=panels, shrink=0.8, pad=0.01)
+        bar = figure.colorbar(
+            ScalarMappable(norm, GATE_COLOURS), ax=panels, shrink=0.8, pad=0.01, extend="min"
+        )
+        # Each side of the threshold has a scale of its own.
+        bar.set_ticks([*_round_inside(norm.vmin), 0.0, *_round_inside(norm.vmax)])
         bar.set_label("score − threshold\nexpert drives   |   policy drives")
+
+
+def _round_inside(end: float) -> list[float]:
+    """Two round numbers between 0 and `end`, in ascending order."""
+    power = 10.0 ** np.floor(np.log10(abs(end)))
+    largest, next_one = next(
+        pair for pair in ((5, 2), (2, 1), (1, 0.5)) if pair[0] * power <= abs(end)
+    )
+    return sorted(float(np.sign(end)) * each * power for each in (largest, next_one))
 
 
 def pose_scores(

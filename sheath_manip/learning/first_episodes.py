@@ -1,0 +1,83 @@
+"""Episodes in memory, of an expert and of a policy under its gate: what first tries begin with."""
+
+import numpy as np
+
+from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.drivers import ExpertAlone
+from sheath_manip.rollout.loop import rollout
+from sheath_manip.rollout.request import EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.seeding import scene_seed
+from sheath_manip.task import Task
+from sheath_manip.types import Episode, EpisodeInfo, Purpose
+
+
+def demonstrations(
+    task: Task, count: int, variant: str = "default", seed: int = 0
+) -> list[Episode]:
+    """Return `count` episodes that the scripted expert drives, every step labelled.
+
+    They are those that `sheath collect` records.
+
+    Args:
+        task: whose expert drives.
+        count: of episodes, each in a scene of its own.
+        variant: of the task.
+        seed: from which the scenes follow.
+    """
+    environment = task.make(variant)
+    spec = environment.spec
+    environment.close()
+    requests = [
+        EpisodeRequest(
+            task,
+            EpisodeInfo.of(
+                spec,
+                variant=variant,
+                seed=scene_seed(Purpose.DEMONSTRATION, seed, 0, index),
+                purpose=Purpose.DEMONSTRATION,
+                # Another variant is another scene, though its seed be the same.
+                method="expert" if variant == "default" else f"expert-{variant}",
+                index=index,
+                run_seed=seed,
+            ),
+            ExpertAlone(),
+        )
+        for index in range(count)
+    ]
+    with SerialExecutor() as executor:
+        return list(executor.map(requests))
+
+
+def gated_episode(
+    task: Task, checkpoint: Checkpoint, variant: str = "default", seed: int = 0
+) -> Episode:
+    """Return an episode that the policy of `checkpoint` drives under its gate.
+
+    Where the gate does not trust it, the scripted expert takes over and labels.
+
+    Args:
+        task: of the checkpoint.
+        checkpoint: which lies in no file.
+        variant: of the task.
+        seed: of the scene, and of what gate and policy draw.
+    """
+    environment = task.make(variant)
+    try:
+        return rollout(
+            environment,
+            EpisodeInfo.of(
+                environment.spec,
+                variant=variant,
+                seed=scene_seed(Purpose.LEARNING, "first", seed),
+                purpose=Purpose.LEARNING,
+                method=checkpoint.method or "first",
+                run_seed=seed,
+            ),
+            checkpoint.gate(),
+            rng=np.random.default_rng(seed),
+            policy=checkpoint.policy,
+            expert=task.expert(environment),
+        )
+    finally:
+        environment.close()
