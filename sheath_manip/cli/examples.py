@@ -22,6 +22,7 @@ First steps; each line goes on from the one before, the first three take two min
 EXAMPLES = {
     "tasks": "sheath tasks",
     "claims": "sheath claims",
+    "figures": "sheath figures --results results",
     "doctor": "sheath doctor",
     "collect": "sheath collect driving --episodes 13 --store runs/demos",
     "teleop": "sheath teleop grasp-clutter --store runs/by-hand",

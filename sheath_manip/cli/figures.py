@@ -10,10 +10,7 @@ from sheath_manip.cli.session import Session
 
 @dataclass(frozen=True, kw_only=True)
 class Figures:
-    """Draw the figures of committed results again, as far as their summaries alone give them.
-
-    Example: `sheath figures --results results`.
-    """
+    """Draw the figures of committed results again, as far as their summaries alone give them."""
 
     results: Path = Path("results")
     """directory of the experiments' results"""

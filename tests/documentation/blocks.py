@@ -62,6 +62,14 @@ def blocks(page: str) -> list[Block]:
     return found
 
 
+def calls_in_prose(page: str) -> Iterator[str]:
+    """Yield what a page's sentences name, such as `sheath run --expert person`."""
+    for token in MarkdownIt().enable("table").parse(PAGES[page].read_text()):
+        for part in token.children or ():
+            if part.type == "code_inline" and part.content.startswith("sheath "):
+                yield " ".join(part.content.split())
+
+
 def shell_lines(block: Block) -> Iterator[str]:
     """Yield a block's commands, each on one line and without its comment."""
     for line in block.text.replace("\\\n", " ").splitlines():

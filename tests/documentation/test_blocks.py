@@ -3,22 +3,26 @@
 import shlex
 import sys
 import tomllib
+from functools import cache
 from types import ModuleType
 
 import pytest
 
 from sheath_manip.cli.entry import VERBS, read_line
+from sheath_manip.cli.examples import EXAMPLES
 from tests.documentation.blocks import (
     NOT_RUN,
     PAGES,
     ROOT,
     blocks,
+    calls_in_prose,
     reason_not_to_run,
     run_python,
     run_shell,
     shell_lines,
 )
 from tests.toy import CATALOG
+from tools.docs.commands import help_of
 
 LANGUAGES = {"sh", "python", "toml", "text", "{toctree}", "{eval-rst}"}
 AFTER_SHELL = {"docs/quick-start.md", "docs/own/data.md"}
@@ -39,6 +43,22 @@ def test_the_command_takes_every_line_that_calls_it():
     assert len(calls) > 20
     for argv in calls:
         assert read_line(VERBS, lambda: CATALOG, argv), argv
+
+
+def test_a_sentence_names_verbs_and_options_that_there_are():
+    named = {call for page in PAGES for call in calls_in_prose(page)}
+    assert len(named) > 20
+    help_for = cache(help_of)
+    for call in named - {"sheath --help"}:
+        _, verb, *rest = call.split()
+        if verb == "data" and rest[0].islower():
+            verb += f" {rest.pop(0)}"
+        if verb in ("VERB", "…"):
+            continue
+        assert verb in EXAMPLES, call
+        for option in rest:
+            if option.startswith("--"):
+                assert f"{option} " in help_for(verb).replace("\n", " "), call
 
 
 def test_toml_blocks_are_toml():
