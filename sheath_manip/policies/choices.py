@@ -17,20 +17,21 @@ def choices_of(spec: TaskSpec) -> NDArray[np.float32]:
     return np.asarray(spec.action.choices, dtype=np.float32)
 
 
-def best_choices(choices: NDArray[np.float32], scores: NDArray) -> NDArray[np.float32]:
-    """(n, a) the row of `choices` (k, a) that scores highest in each of (n, k) `scores`.
-
-    NaN where any score is NaN: to argmax that is the highest, and an action as good as another.
-    """
-    best = choices[scores.argmax(axis=1)]
-    broken = np.isnan(scores).any(axis=1, keepdims=True)
-    return np.where(broken, np.float32(np.nan), best) if broken.any() else best
-
-
 def nearest_choices(choices: NDArray, actions: NDArray) -> NDArray[np.int64]:
     """(n,) the row of `choices` (k, a) nearest to each of (n, a) `actions`."""
     distances = np.abs(np.asarray(actions)[:, None, :] - choices[None]).sum(axis=2)
     return distances.argmin(axis=1).astype(np.int64)
+
+
+def likeliest(choices: NDArray, scores: NDArray) -> NDArray[np.float32]:
+    """(n, a) the choice with the highest of (n, k) `scores`; NaN, no action, where one is NaN.
+
+    NumPy takes the first NaN for the highest, so that a network which says nothing would drive.
+    The highest must be finite; -inf says of a choice that it is out of the question.
+    """
+    chosen = choices[scores.argmax(axis=1)]
+    silent = ~np.isfinite(scores.max(axis=1))
+    return np.where(silent[:, None], np.float32(np.nan), chosen) if silent.any() else chosen
 
 
 def zero_one_losses(choices: NDArray, predicted: NDArray, labels: NDArray) -> NDArray[np.float32]:

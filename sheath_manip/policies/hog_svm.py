@@ -15,8 +15,8 @@ from sklearn.svm import LinearSVC
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import (
-    best_choices,
     choices_of,
+    likeliest,
     nearest_choices,
     zero_one_losses,
 )
@@ -97,7 +97,7 @@ class HogSvm(Memoryless):
         asked for.
         """
         scores = self.gradients(observations.images) @ self._fitted().T + self.biases_
-        return Proposal(best_choices(self.choices, scores), {"choice scores": scores})
+        return Proposal(likeliest(self.choices, scores), {"choice scores": scores})
 
     def gradients(self, images: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(n, d) histograms of oriented gradients."""

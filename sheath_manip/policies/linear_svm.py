@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import (
-    best_choices,
     choices_of,
+    likeliest,
     nearest_choices,
     zero_one_losses,
 )
@@ -80,7 +80,7 @@ class LinearSvm(Memoryless):
         """
         weights, biases = self._fitted()
         scores = (observations.features @ weights.T + biases) @ self._signs.T
-        return Proposal(best_choices(self.choices, scores), {"choice scores": scores})
+        return Proposal(likeliest(self.choices, scores), {"choice scores": scores})
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) 1 where any button differs from its label, else 0 (Eq. 8, righted)."""
