@@ -86,7 +86,7 @@ def _run(
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CUT_OFF
     except (SheathError, OSError) as error:
-        print(f"sheath: {_line(str(error))}", file=sys.stderr)
+        print(f"sheath: {' '.join(str(error).split())}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
@@ -114,12 +114,6 @@ def read_line(
         config=(tyro.conf.FlagCreatePairsOff,),
         registry=registry,
     )
-
-
-def _line(text: str) -> str:
-    """One line that a terminal takes for text: names in files may hold escape sequences."""
-    words = " ".join(text.split())
-    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in words)
 
 
 def _choice(name: str, verb: type[Verb], catalog: LoadCatalog, argv: Sequence[str]) -> Any:

@@ -14,7 +14,12 @@ from torch import nn
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import shifted
-from sheath_manip.policies.choices import choices_of, likeliest, nearest_choices, zero_one_losses
+from sheath_manip.policies.choices import (
+    choices_of,
+    likeliest,
+    nearest_choices,
+    zero_one_losses,
+)
 from sheath_manip.policies.learned_arrays import numbers, require_shapes
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.network import ConvNetwork, shapes_of
@@ -165,11 +170,10 @@ class ConvPolicy(Memoryless):
             layers = network.activations(_tensor(observations.images[self.camera]))
             penultimate = network.rectified(layers[-1])
             logits = network.head(penultimate)
-            chosen = likeliest(self.choices, logits.numpy())
             scores = torch.softmax(logits, dim=1).numpy()
         latents = {f"convolution {number}": layer for number, layer in enumerate(layers)}
         return Proposal(
-            chosen,
+            likeliest(self.choices, logits.numpy()),
             {**latents, "penultimate": penultimate, "choice scores": scores},
         )
 

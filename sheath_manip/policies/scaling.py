@@ -110,5 +110,5 @@ class Whitening:
         """Take over `arrays()`; ParameterError where their shapes do not belong together."""
         self.standardisation.load(arrays)
         width = len(self.standardisation.mean_)
-        self.matrix_ = numbers(arrays, "matrix", width, width).astype(np.float32)
+        self.matrix_ = numbers(arrays, "matrix", width, None).astype(np.float32)
         return self

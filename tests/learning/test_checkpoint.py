@@ -1,3 +1,4 @@
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -242,6 +243,43 @@ def test_headers_that_do_not_fit(changes, message, path):
     with pytest.raises(CheckpointError, match=message) as caught:
         load_checkpoint(rewritten(path, **changes), SPEC)
     assert "\n" not in str(caught.value)
+
+
+def test_what_changed_since_it_was_written_is_found(path):
+    header, arrays = read_arrays(path)
+    name = next(name for name in arrays if name.startswith("signal/"))
+    changed = {**arrays, name: arrays[name] + 1}
+    for written, among in ((header, changed), ({**header, "threshold": 0.5}, arrays)):
+        np.savez(path, header=np.array(json.dumps(written)), **among)
+        with pytest.raises(CheckpointError, match="is not what was written"):
+            load_checkpoint(path, SPEC)
+
+
+def test_a_file_of_before_there_were_digests_is_read_and_told(checkpoint, path):
+    header, arrays = read_arrays(path)
+    del header["digest"]
+    np.savez(path, header=np.array(json.dumps({**header, "schema": 3})), **arrays)
+    loaded = load_checkpoint(path, SPEC)
+    assert "has no digest: an older version wrote it" in loaded.remark
+    assert loaded.threshold == checkpoint.threshold
+    assert load_checkpoint(checkpoint.save(path), SPEC).remark == ""
+
+
+def test_a_fit_to_what_is_no_number_is_not_saved(checkpoint, tmp_path):
+    arrays = dict(checkpoint.policy.arrays())
+    arrays["head.bias"] = np.full_like(arrays["head.bias"], np.nan)
+    broken = make_policy("cnn", SPEC).load(arrays)
+    assert np.isnan(broken.predict(held_out().observations).actions).all()
+    with pytest.raises(CheckpointError, match=r"policy/head.bias\[0\] is nan; wanted finite"):
+        replace(checkpoint, policy=broken).save(tmp_path / "nan.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_memory_is_taken_for_what_hyperparameters_ask_for(path):
+    header, _ = read_arrays(path)
+    policy = {"name": "cnn", "hyper": {**header["policy"]["hyper"], "hidden": [10**9, 10**9]}}
+    with pytest.raises(CheckpointError, match=r"weights are not those of a network .* 1000000000"):
+        load_checkpoint(rewritten(path, policy=policy), SPEC)
 
 
 def test_a_task_with_other_choices(path):

@@ -87,19 +87,15 @@ class ImportStore:
     def run(self, session: Session) -> int:
         """Append them, then print how many."""
         from sheath_manip.dataset.exchange.apart import import_apart
-        from sheath_manip.dataset.exchange.formats import readable
-        from sheath_manip.dataset.store import EpisodeStore
 
         origin = self._origin()
-        # Before a store is made for it.
-        readable(self.format, self.file)
-        store = EpisodeStore.create(self.store)
         with session.err.status("importing"):
-            done = import_apart(self.format, self.file, store, origin)
+            done = import_apart(self.format, self.file, Path(self.store), origin)
         line = f"{done.added} episodes added to {self.store}, {done.held} were there before"
         session.out.print(Text(line))
         if not done.sealed:
-            session.remark(f"{self.file} has no digests: no bit that changed in it is noticed")
+            line = f"{self.file} has no digests: no bit that changed in it is noticed"
+            session.out.print(Text(line))
         return 0
 
     def _origin(self):

@@ -33,15 +33,17 @@ serve(sys.stdin.buffer, sys.stdout.buffer)
 """
 
 
-def import_apart(format: str, path: Path, store: EpisodeStore, origin: Origin | None) -> Imported:
+def import_apart(format: str, path: Path, store: Path, origin: Origin | None) -> Imported:
     """Do as `import_episodes` does with a file of `format`, in another process.
+
+    The directory `store` is made a store where there is none, and the file is one of its format.
 
     Raises what that raises, and StoreError where the process is ended by the file, or does not end
     in the time that the file's size allows.
     """
     most_s = Limits(path, stored_bytes(path)).most_s + GRACE_S
     with _process(store) as process:
-        request = pickle.dumps((format, path.absolute(), store.path.absolute(), origin))
+        request = pickle.dumps((format, path, store, origin))
         try:
             answer, _ = process.communicate(request, timeout=most_s)
         except subprocess.TimeoutExpired as error:
@@ -64,7 +66,8 @@ def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
     """Do one import, and say what came of it."""
     format, path, store, origin = pickle.load(requests)
     try:
-        told = asdict(import_episodes(open_file(format, path), EpisodeStore(store), origin))
+        file = open_file(format, path)
+        told = asdict(import_episodes(file, EpisodeStore.create(store), origin))
     except SheathError as error:
         told = {"error": str(error), "parameter": isinstance(error, ParameterError)}
     answers.write(json.dumps(told).encode())
@@ -72,7 +75,7 @@ def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
 
 
 @contextmanager
-def _process(store: EpisodeStore) -> Iterator[subprocess.Popen]:
+def _process(store: Path) -> Iterator[subprocess.Popen]:
     """One that is gone at the end, with all that it had staged."""
     # An empty entry is the working directory.
     search_path = [entry or str(Path.cwd()) for entry in sys.path]

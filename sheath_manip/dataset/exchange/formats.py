@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.registry import Registry
 
 Writer = Callable[[Path, Iterable[Recorded], ActionChoice], None]
@@ -93,14 +93,7 @@ def open_file(name: str, path: Path) -> ForeignFile:
     Raises UnknownNameError, ParameterError where nothing is read of the format, StoreError where
     `path` is no such file, and SetupError where the format's package is not installed.
     """
-    return readable(name, path)(path)
-
-
-def readable(name: str, path: Path) -> Callable[[Path], ForeignFile]:
-    """Return what opens files of the format; raises as `open_file`, but for the file's content."""
     opened = FORMATS[name].open
     if opened is None:
         raise ParameterError(f"nothing is read of {name}; wanted a format such as robomimic")
-    if not path.exists():
-        raise StoreError(f"wanted a file of the format {name} at {path}, found nothing")
-    return opened
+    return opened(path)

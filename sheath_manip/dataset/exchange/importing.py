@@ -90,9 +90,9 @@ def import_episodes(
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def staging_of(store: EpisodeStore, process_id: int) -> list[Path]:
-    """Return the folders in which a process has put aside what it imports."""
-    return list(store.path.glob(f"{_prefix(process_id)}*"))
+def staging_of(store: Path, process_id: int) -> list[Path]:
+    """Return the folders of a store in which a process has put aside what it imports."""
+    return list(store.glob(f"{_prefix(process_id)}*"))
 
 
 def _prefix(process_id: int) -> str:

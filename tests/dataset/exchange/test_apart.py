@@ -29,13 +29,20 @@ def buffer(tmp_path: Path) -> Path:
 
 
 def test_it_does_as_in_this_process(buffer, store: EpisodeStore) -> None:
-    done = import_apart("replay-buffer", buffer, store, ORIGIN)
+    done = import_apart("replay-buffer", buffer, store.path, ORIGIN)
     assert done == Imported(added=2, held=0, sealed=False)
     assert len(store.names()) == 2
     with pytest.raises(ParameterError, match="give --task and --control-rate-hz"):
-        import_apart("replay-buffer", buffer, store, None)
+        import_apart("replay-buffer", buffer, store.path, None)
     with pytest.raises(StoreError, match="wanted an HDF5 file"):
-        import_apart("robomimic", buffer, store, ORIGIN)
+        import_apart("robomimic", buffer, store.path, ORIGIN)
+
+
+def test_a_url_is_no_directory(buffer, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(StoreError, match="is a URL, wanted a directory"):
+        import_apart("replay-buffer", buffer, Path("s3://bucket/demos"), ORIGIN)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["b.zarr"]
 
 
 @pytest.mark.parametrize(
@@ -51,6 +58,6 @@ def test_what_ends_or_holds_up_the_process_is_told(
     monkeypatch.setattr(apart, "_CODE", STAGES.format(store=store.path) + code)
     monkeypatch.setattr(apart, "GRACE_S", 3.0 - 60.0)
     with pytest.raises(StoreError, match=message) as caught:
-        import_apart("replay-buffer", buffer, store, ORIGIN)
+        import_apart("replay-buffer", buffer, store.path, ORIGIN)
     assert "nothing is imported" in str(caught.value)
     assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
