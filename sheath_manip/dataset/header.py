@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -61,6 +61,8 @@ class Header:
     """ISO 8601"""
     space: Space | None = None
     """what features and actions mean; None where the recording does not say"""
+    digests: Mapping[str, str] | None = field(default=None, compare=False)
+    """of each array, by its path, as they were written; None where the recording does not say"""
 
 
 def header_of(episode: Episode, space: Space | None = None) -> Header:

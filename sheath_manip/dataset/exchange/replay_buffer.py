@@ -33,9 +33,8 @@ from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
-from sheath_manip.dataset.group import FRAMES_PER_CHUNK
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.layout import FRAMES_PER_CHUNK, layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
