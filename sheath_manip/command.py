@@ -12,11 +12,16 @@ if TYPE_CHECKING:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `sheath` with `argv`; return its exit code."""
-    one_thread_by_default()
-    # Only now: it imports numpy.
-    from sheath_manip.cli.entry import run_command
+    try:
+        one_thread_by_default()
+        # Only now: it imports numpy.
+        from sheath_manip.cli.entry import run_command
 
-    return run_command(load_catalog, sys.argv[1:] if argv is None else argv)
+        return run_command(load_catalog, sys.argv[1:] if argv is None else argv)
+    except KeyboardInterrupt:
+        # While that was imported: nothing has begun.
+        print("sheath: interrupted; nothing has begun", file=sys.stderr)
+        return 130
 
 
 def task_main(task: str, argv: Sequence[str] | None = None) -> int:

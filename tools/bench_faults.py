@@ -21,6 +21,7 @@ Section = Callable[[bool], Mapping[str, Count]]
 
 SECTIONS = {
     "loop": "tests.faults.loop_section:counts",
+    "stores": "tests.faults.stores_section:counts",
 }
 """by name, `module:callable` of each section: imported only where it is run"""
 

@@ -14,6 +14,7 @@ from sheath_manip.cli.collect import Collect
 from sheath_manip.cli.data import Data
 from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.experiment import Experiment
+from sheath_manip.cli.interrupts import interruptible
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
 from sheath_manip.cli.planned import Planned, registry, verb_for
@@ -24,6 +25,7 @@ from sheath_manip.cli.teleop import Teleop
 from sheath_manip.cli.train import Train
 from sheath_manip.cli.watch import Watch
 from sheath_manip.exceptions import SheathError
+from sheath_manip.printable import printable
 
 OK, BAD_INPUT, INTERRUPTED, CUT_OFF = 0, 2, 130, 141
 
@@ -70,6 +72,27 @@ def _run(
     prog: str,
     about: str,
 ) -> int:
+    with interruptible() as interruption:
+        try:
+            return _called(verbs, catalog, argv, prog, about)
+        except Exception:
+            if not interruption.came:
+                raise
+            return _interrupted()
+
+
+def _interrupted() -> int:
+    print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _called(
+    verbs: Mapping[str, type[Verb]],
+    catalog: LoadCatalog,
+    argv: Sequence[str],
+    prog: str,
+    about: str,
+) -> int:
     try:
         choices = [_choice(name, verb, catalog, argv) for name, verb in verbs.items()]
         line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
@@ -87,11 +110,15 @@ def _run(
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CUT_OFF
     except (SheathError, OSError) as error:
-        print(f"sheath: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"sheath: {printable(' '.join(str(error).split()))}", file=sys.stderr)
+        return BAD_INPUT
+    except MemoryError:
+        # No word of how much: whoever asked for it seldom says.
+        line = "out of memory; take shorter or fewer episodes, what was recorded is kept"
+        print(f"sheath: {line}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
-        print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
-        return INTERRUPTED
+        return _interrupted()
 
 
 def _choice(name: str, verb: type[Verb], catalog: LoadCatalog, argv: Sequence[str]) -> Any:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.layout import ArraySpec
 
-ARRAYS, EPISODE = "array_digests", "digest"
+ARRAYS, DIGEST = "array_digests", "digest"
 """in the attributes of an episode's group"""
 _DIGEST = re.compile(r"[0-9a-f]{64}")
 
@@ -47,8 +47,7 @@ def digest_of(array: NDArray, spec: ArraySpec) -> str:
 
 def sealed(attributes: Mapping[str, Any], digests: Mapping[str, str]) -> dict[str, Any]:
     """Return the attributes of a header with the digests of its arrays, and that of the whole."""
-    told = {**attributes, ARRAYS: dict(digests)}
-    return {**told, EPISODE: _digest(told)}
+    return stamped({**attributes, ARRAYS: dict(digests)})
 
 
 def unsealed(attributes: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str] | None]:
@@ -56,19 +55,30 @@ def unsealed(attributes: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, s
 
     Raises ValueError where they tell of digests that are none, or not of these attributes.
     """
-    if ARRAYS not in attributes and EPISODE not in attributes:
+    if ARRAYS not in attributes and DIGEST not in attributes:
         return dict(attributes), None
-    told = {name: value for name, value in attributes.items() if name != EPISODE}
-    digests = told.get(ARRAYS)
+    told = unstamped(attributes)
+    digests = told.pop(ARRAYS, None)
     if not isinstance(digests, Mapping) or not all(map(_is_digest, digests.values())):
         raise ValueError(f"wanted digests of 64 hex digits as {ARRAYS}")
-    if attributes.get(EPISODE) != _digest(told):
+    return told, dict(digests)
+
+
+def stamped(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Return fields of JSON with the digest of them all."""
+    return {**fields, DIGEST: _digest(fields)}
+
+
+def unstamped(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the inverse of `stamped`; raises ValueError where the digest is not of the others."""
+    rest = {name: value for name, value in fields.items() if name != DIGEST}
+    if fields.get(DIGEST) != _digest(rest):
         raise ValueError("its digest is another: something in it has changed since it was written")
-    return {name: value for name, value in told.items() if name != ARRAYS}, dict(digests)
+    return rest
 
 
-def _digest(attributes: Mapping[str, Any]) -> str:
-    text = json.dumps(attributes, sort_keys=True, separators=(",", ":"), allow_nan=False)
+def _digest(fields: Mapping[str, Any]) -> str:
+    text = json.dumps(fields, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -65,9 +65,14 @@ class ArraySpec:
         """Images lie in blocks of frames; every other array is small and one chunk."""
         # zarr refuses a chunk of length 0, which an array without features would ask for.
         whole = tuple(max(1, size) for size in self.shape)
-        if self.is_image and len(self.shape) == 4:
+        if self.is_film:
             return (min(FRAMES_PER_CHUNK, whole[0]), *whole[1:])
         return whole
+
+    @property
+    def is_film(self) -> bool:
+        """Whether the array holds the images of all steps: nearly all of an episode."""
+        return self.is_image and len(self.shape) == 4
 
     @property
     def is_image(self) -> bool:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.attributes import MOST_STEPS
+from sheath_manip.dataset.digests import DIGEST, stamped, unstamped
 from sheath_manip.dataset.durable import replace_file, sync
 from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.fields import Fields, one_of, rows_of, whole, word
@@ -99,7 +100,9 @@ def read_marks(store: Path, name: str) -> Marks:
 def parse_marks(where: Path | str, content: bytes) -> Marks:
     """The marks in `content`; raises StoreError, told of `where`, where they are none."""
     try:
-        fields = Fields(parse_json(content))
+        told = parse_json(content)
+        # Marks of before there was one have no digest.
+        fields = Fields(unstamped(told) if isinstance(told, dict) and DIGEST in told else told)
         schema = fields.take("format", word), fields.take("schema", whole(0, 1 << 30))
         if schema != (FORMAT, SCHEMA):
             raise ValueError(f"format {schema[0]!r}, schema {schema[1]}")
@@ -134,7 +137,7 @@ def write_marks(store: Path, name: str, marks: Marks) -> None:
 def marks_text(marks: Marks) -> str:
     """Return the marks as their file holds them."""
     fields = {"format": FORMAT, "schema": SCHEMA, "outcome": marks.outcome, "bad": marks.bad}
-    return json.dumps(fields)
+    return json.dumps(stamped(fields))
 
 
 def marks_faults(store: Path, names: set[str]) -> list[Fault]:
