@@ -12,16 +12,11 @@ if TYPE_CHECKING:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `sheath` with `argv`; return its exit code."""
-    try:
-        one_thread_by_default()
-        # Only now: it imports numpy.
-        from sheath_manip.cli.entry import run_command
+    one_thread_by_default()
+    # Only now: it imports numpy.
+    from sheath_manip.cli.entry import run_command
 
-        return run_command(load_catalog, sys.argv[1:] if argv is None else argv)
-    except KeyboardInterrupt:
-        # While that was imported: nothing has begun.
-        print("sheath: interrupted; nothing has begun", file=sys.stderr)
-        return 130
+    return run_command(load_catalog, sys.argv[1:] if argv is None else argv)
 
 
 def task_main(task: str, argv: Sequence[str] | None = None) -> int:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import NoReturn
 
 
 @dataclass
@@ -18,23 +17,23 @@ class Interruption:
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
-    """Raise KeyboardInterrupt at Ctrl-C, as usual, and remember that it came.
+    """Do at Ctrl-C what is done anyway, such as to raise KeyboardInterrupt; note that it came.
 
     A call into C that is interrupted while it converts its arguments tells of an error of its own
-    instead. Where another handler is set, or outside the main thread, nothing is changed.
+    instead. Where nothing is done at Ctrl-C, or outside the main thread, nothing is changed.
     """
     interruption = Interruption()
+    before = signal.getsignal(signal.SIGINT)
+    if not callable(before) or threading.current_thread() is not threading.main_thread():
+        yield interruption
+        return
 
-    def interrupt(number: int, frame: FrameType | None) -> NoReturn:  # noqa: ARG001
+    def interrupt(number: int, frame: FrameType | None) -> None:
         interruption.came = True
-        raise KeyboardInterrupt
+        before(number, frame)
 
-    ours = threading.current_thread() is threading.main_thread()
-    ours = ours and signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if ours:
-        signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGINT, interrupt)
     try:
         yield interruption
     finally:
-        if ours:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, before)

@@ -106,8 +106,7 @@ class Run:
         from sheath_manip.rollout.request import EpisodeRequest
         from sheath_manip.rollout.serial import SerialExecutor
 
-        # Once, and not for each of many episodes.
-        named, spec = digest(self.checkpoint), spec_of(task)
+        spec = spec_of(task)
         purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
         fallback = "" if self.policy_alone or self.expert == SCRIPTED else self.expert
         infos = [
@@ -122,7 +121,7 @@ class Run:
                 round=checkpoint.round,
                 index=index,
                 run_seed=self.seed,
-                checkpoint=named,
+                checkpoint=digest(self.checkpoint),
             )
             for index in range(self.episodes)
         ]
