@@ -23,6 +23,7 @@ SECTIONS = {
     "loop": "tests.faults.loop_section:counts",
     "checkpoints": "tests.faults.checkpoint_section:counts",
     "exchange": "tests.faults.exchange_section:counts",
+    "stores": "tests.faults.stores_section:counts",
 }
 """by name, `module:callable` of each section: imported only where it is run"""
 

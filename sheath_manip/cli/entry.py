@@ -17,6 +17,7 @@ from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.examples import FIRST_STEPS, described
 from sheath_manip.cli.experiment import Experiment
 from sheath_manip.cli.figures import Figures
+from sheath_manip.cli.interrupts import interruptible
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
 from sheath_manip.cli.planned import Planned, registry, verb_for
@@ -27,6 +28,7 @@ from sheath_manip.cli.teleop import Teleop
 from sheath_manip.cli.train import Train
 from sheath_manip.cli.watch import Watch
 from sheath_manip.exceptions import SheathError
+from sheath_manip.printable import printable
 
 OK, BAD_INPUT, INTERRUPTED, CUT_OFF = 0, 2, 130, 141
 
@@ -78,6 +80,27 @@ def _run(
     prog: str,
     about: str,
 ) -> int:
+    with interruptible() as interruption:
+        try:
+            return _called(verbs, catalog, argv, prog, about)
+        except Exception:
+            if not interruption.came:
+                raise
+            return _interrupted()
+
+
+def _interrupted() -> int:
+    print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _called(
+    verbs: Mapping[str, type[Verb]],
+    catalog: LoadCatalog,
+    argv: Sequence[str],
+    prog: str,
+    about: str,
+) -> int:
     try:
         verb = read_line(verbs, catalog, argv, prog, about)
         return verb.run(Session(catalog, f"{prog} {shlex.join(argv)}".strip()))
@@ -86,11 +109,15 @@ def _run(
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CUT_OFF
     except (SheathError, OSError) as error:
-        print(f"sheath: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"sheath: {printable(' '.join(str(error).split()))}", file=sys.stderr)
+        return BAD_INPUT
+    except MemoryError:
+        # No word of how much: whoever asked for it seldom says.
+        line = "out of memory; take shorter or fewer episodes, what was recorded is kept"
+        print(f"sheath: {line}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
-        print("sheath: interrupted; what was recorded is kept", file=sys.stderr)
-        return INTERRUPTED
+        return _interrupted()
 
 
 def read_line(

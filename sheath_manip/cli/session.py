@@ -12,6 +12,7 @@ from rich.panel import Panel
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from sheath_manip.cli.plain_console import PlainConsole
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.study import Study
 from sheath_manip.registry import working
@@ -39,9 +40,9 @@ class Session:
     catalog: LoadCatalog
     command: str
     """as it was typed"""
-    out: Console = field(default_factory=lambda: Console(width=_width()))
+    out: Console = field(default_factory=lambda: PlainConsole(width=_width()))
     """for results"""
-    err: Console = field(default_factory=lambda: Console(stderr=True))
+    err: Console = field(default_factory=lambda: PlainConsole(stderr=True))
     """for progress, so that results can be piped"""
 
     def task(self, name: str) -> Task:

@@ -4,10 +4,12 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
 from typing import Self
 
+from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.dataset.writer_process import WriterProcess
+from sheath_manip.dataset.writer_process import WriterLostError, WriterProcess
+from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode
 
 
@@ -17,7 +19,8 @@ class BackgroundRecorder(Recorder):
     A process of its own compresses and writes it, and a thread waits for that. One episode is
     written at a time: the next one waits for it. What went wrong is raised when the next episode
     ends, by `flush` or at the end of the context, whichever is first, and nothing is recorded after
-    it. Its process takes .4 s of CPU time to start: make one for many episodes.
+    it. Where that process is lost or stops, its episode is written here. It takes .4 s of CPU time
+    to start: make one for many episodes.
     """
 
     def __init__(self, store: EpisodeStore) -> None:
@@ -31,7 +34,7 @@ class BackgroundRecorder(Recorder):
         self.flush()
         # Not in the thread: it would take turns with the simulation at every row.
         recorded = recorded_of(episode, self.space)
-        self._written = self._thread.submit(self._writer.append_arrays, recorded)
+        self._written = self._thread.submit(self._keep, recorded)
 
     def __enter__(self) -> Self:
         return self
@@ -50,6 +53,16 @@ class BackgroundRecorder(Recorder):
         self._thread.shutdown()
         self._writer.close()
         self.flush()
+
+    def _keep(self, recorded: Recorded) -> None:
+        try:
+            self._writer.append_arrays(recorded)
+        except WriterLostError as lost:
+            # Where that one had stored it just before, this finds so.
+            self.store.keep(recorded)
+            raise StoreError(
+                f"{lost}; the episode that it was given is stored all the same: call again to go on"
+            ) from lost
 
     def flush(self) -> None:
         """Wait until the last episode is on the disk; raises StoreError where it could not be."""

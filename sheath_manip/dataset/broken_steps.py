@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, Self
 
+from sheath_manip.dataset.fields import MOST_STEPS, Fields, rows_of, whole, word
 from sheath_manip.types import Breakdown, Episode
+
+_MOST_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -20,17 +23,20 @@ class BrokenSteps:
 
     @classmethod
     def from_json(cls, content: Any) -> Self:
-        """Return what `dataclasses.asdict` gave.
-
-        Raises KeyError, TypeError or ValueError for anything else.
-        """
-        start, stop = content["start"], content["stop"]
-        if not (type(start) is int and type(stop) is int and 0 <= start < stop):
-            raise ValueError(f"wanted steps that something broke down in, found {start} .. {stop}")
-        broken = tuple(Breakdown(each["who"], each["what"]) for each in content["broken"])
-        if not all(isinstance(text, str) for each in broken for text in (each.who, each.what)):
-            raise TypeError("wanted who broke down, and how, as text")
+        """Return what `dataclasses.asdict` gave; raises ValueError for anything else."""
+        fields = Fields(content)
+        start = fields.take("start", whole(0, MOST_STEPS))
+        stop = fields.take("stop", whole(start + 1, MOST_STEPS + 1))
+        broken = fields.take("broken", rows_of(_breakdown, _MOST_AT_ONCE))
+        fields.require_empty()
         return cls(start, stop, broken)
+
+
+def _breakdown(content: Any) -> Breakdown:
+    fields = Fields(content)
+    found = Breakdown(fields.take("who", word), fields.take("what", word))
+    fields.require_empty()
+    return found
 
 
 def broken_steps(episode: Episode) -> tuple[BrokenSteps, ...]:

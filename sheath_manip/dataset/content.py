@@ -2,28 +2,39 @@
 
 import hashlib
 import json
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from sheath_manip.dataset.attributes import to_attributes
+from sheath_manip.dataset.digests import digest_of
+from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import layout
-from sheath_manip.dataset.reader import EpisodeReader
+
+if TYPE_CHECKING:
+    from sheath_manip.dataset.reader import EpisodeReader
 
 _NOT_CONTENT = ("schema", "session", "variant", "space", "versions", "recorded_utc")
 """of the header: who wrote it and when, and what old recordings do not say"""
 
 
-def content_digest(reader: EpisodeReader, name: str) -> str:
+def content_digest(reader: "EpisodeReader", name: str) -> str:
     """Return 64 hex digits, the same for episodes of the same facts and the same arrays.
 
-    Decompresses all of the episode; raises StoreError where it is damaged.
+    Decompresses all of the episode, whatever its header tells; raises StoreError where it is
+    damaged.
     """
     header = reader.header(name)
+    digests = {spec.path: digest_of(reader.array(name, spec), spec) for spec in layout(header)}
+    return hashlib.sha256(
+        json.dumps([_facts(header), digests], sort_keys=True).encode()
+    ).hexdigest()
+
+
+def is_same(header: Header, other: Header) -> bool:
+    """Return whether two episodes have the same facts and arrays, as far as both tell digests."""
+    told = header.digests is not None and header.digests == other.digests
+    return told and _facts(header) == _facts(other)
+
+
+def _facts(header: Header) -> dict[str, Any]:
     facts = to_attributes(header)
-    for key in _NOT_CONTENT:
-        del facts[key]
-    digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
-    for spec in layout(header):
-        digest.update(f"{spec.path} {spec.dtype} {spec.shape}\n".encode())
-        digest.update(np.ascontiguousarray(reader.array(name, spec)).tobytes())
-    return digest.hexdigest()
+    return {key: value for key, value in facts.items() if key not in _NOT_CONTENT}

@@ -2,13 +2,10 @@
 
 import ctypes
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
 from sheath_manip.outputs import sync
-
-Files = Mapping[str, bytes]
-"""what is to be in each file, by its path in a directory, with slashes"""
 
 # Linux has it and os has not; it tells of failed writes as fsync does.
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)
@@ -52,11 +49,15 @@ def publish(directory: Path, final: Path) -> None:
     sync(final.parent)
 
 
-def publish_files(files: Files, aside: Path, final: Path) -> None:
-    """Write a new directory `aside`, then give it its `final` name as `publish` does."""
+def publish_files(files: Iterable[tuple[str, bytes]], aside: Path, final: Path) -> None:
+    """Write a new directory `aside`, then give it its `final` name as `publish` does.
+
+    Each file is its path in the directory, with slashes, and what is in it; it is written as it
+    comes.
+    """
     folders = {aside}
     aside.mkdir()
-    for path, content in files.items():
+    for path, content in files:
         file = aside / path
         if file.parent not in folders:
             file.parent.mkdir(parents=True, exist_ok=True)

@@ -26,6 +26,10 @@ class FaultKind(StrEnum):
     """it does not decode"""
     NOT_FINITE = "not finite"
     """an action holds NaN or infinity"""
+    ODD_FILE = "no plain file"
+    """a link, a fifo or the like, or a file larger than any of an episode: not followed or read"""
+    REMARK = "remark"
+    """as it was recorded, but worth to be known; harmless"""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class Fault:
     @property
     def damaging(self) -> bool:
         """Whether data is affected; a leftover only takes space."""
-        return self.kind is not FaultKind.LEFTOVER
+        return self.kind not in (FaultKind.LEFTOVER, FaultKind.REMARK)
 
     def __str__(self) -> str:
         return f"{self.name}: {self.text}"

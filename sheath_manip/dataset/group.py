@@ -1,74 +1,150 @@
 """One episode as one zarr (format 3) group."""
 
-from pathlib import Path, PurePosixPath
+import os
+from collections.abc import Callable, Iterator
+from pathlib import PurePosixPath
 
 import numpy as np
-import zarr
 from numpy.typing import NDArray
-from zarr.storage import StorePath
 
-from sheath_manip.dataset.attributes import to_attributes
+from sheath_manip.bounded_json import parse_json
+from sheath_manip.dataset.attributes import GROUP_FILE, to_attributes
+from sheath_manip.dataset.digests import ArrayDigest, sealed
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
-from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import Arrays, ArraySpec, layout
-from sheath_manip.dataset.zarr_files import array_files, group_files, within
+from sheath_manip.dataset.layout import ArraySpec, layout
+from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.zarr_files import (
+    METADATA,
+    File,
+    array_metadata,
+    box,
+    chunk_key,
+    decoded,
+    encoded,
+    group_file,
+    metadata_file,
+    places,
+)
+from sheath_manip.exceptions import StoreError
 
-FRAMES_PER_CHUNK = 64
-"""Chunks of single frames take ten times as long to write and compress far worse."""
-
-
-def episode_files(header: Header, arrays: Arrays) -> dict[str, bytes]:
-    """The files of an episode's group, by their paths in it."""
-    files = group_files(to_attributes(header))
-    for spec in layout(header):
-        for parent in reversed(PurePosixPath(spec.path).parents[:-1]):
-            files |= within(str(parent), group_files({}))
-        files |= within(spec.path, array_files(arrays[spec.path], _chunks(spec)))
-    return files
-
-
-def read_array(name: str, group: Path | StorePath, spec: ArraySpec) -> NDArray:
-    """The array `spec` of the episode `name`, whose zarr group is at `group`; raises FaultError."""
-    try:
-        array = zarr.open_array(group, path=spec.path, mode="r", zarr_format=3)
-    except FileNotFoundError as error:
-        raise FaultError(
-            name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
-        ) from error
-    except Exception as error:
-        raise _unreadable(name, spec, error) from error
-    if array.shape != spec.shape or array.dtype != np.dtype(spec.dtype):
-        raise FaultError(
-            name,
-            FaultKind.MISMATCH,
-            f"{spec.path} is {array.dtype} {array.shape}; "
-            f"its header wants {spec.dtype} {spec.shape}; {REMEDY}",
-        )
-    if array.nchunks_initialized != array.nchunks:
-        # zarr itself would fill the gap with zeros.
-        raise FaultError(
-            name,
-            FaultKind.MISSING,
-            f"{spec.path} has {array.nchunks_initialized} of {array.nchunks} chunks; {REMEDY}",
-        )
-    try:
-        return np.asarray(array[...])
-    except Exception as error:
-        raise _unreadable(name, spec, error) from error
+Content = Callable[[str, int], bytes]
+"""Gives what is in a file of an episode, of at most so many bytes; raises StoreError, and
+FaultError where it is damaged."""
+MOST_METADATA_BYTES = 64 << 10
+MEMORY_SHARE = 0.5
+"""of the machine's, that one array may take"""
 
 
-def _chunks(spec: ArraySpec) -> tuple[int, ...]:
-    """Images in blocks of frames; every other array is small and one chunk."""
-    # zarr refuses a chunk of length 0, which an array without features would ask for.
-    whole = tuple(max(1, size) for size in spec.shape)
-    if spec.is_image and len(spec.shape) == 4:
-        return (min(FRAMES_PER_CHUNK, whole[0]), *whole[1:])
+def episode_files(recorded: Recorded) -> Iterator[File]:
+    """Yield the files of an episode's group, by their paths in it, the header last.
+
+    Rows are asked for in the order of `layout` and of time, a block at a time: what is yielded and
+    forgotten takes no memory.
+    """
+    digests, groups = dict[str, str](), set[PurePosixPath]()
+    for spec in layout(recorded.header):
+        for group in reversed(PurePosixPath(spec.path).parents[:-1]):
+            if group not in groups:
+                groups.add(group)
+                yield f"{group}/{METADATA}", group_file({})
+        digest, rows = ArrayDigest(spec), recorded.arrays[spec.path]
+        yield f"{spec.path}/{METADATA}", metadata_file(spec.shape, spec.dtype, spec.chunks)
+        for place in places(spec.shape, spec.chunks):
+            # Only the first axis is ever split.
+            part = np.asarray(rows[box(place, spec.chunks)[:1]], order="C")
+            digest.update(part)
+            yield f"{spec.path}/{chunk_key(place)}", encoded(part, spec.chunks)
+        digests[spec.path] = digest.hexdigest()
+    yield GROUP_FILE, group_file(sealed(to_attributes(recorded.header), digests))
+
+
+def array_paths(spec: ArraySpec) -> set[str]:
+    """Return the files of an array, by their paths in the episode's group."""
+    keys = map(chunk_key, places(spec.shape, spec.chunks))
+    return {f"{spec.path}/{file}" for file in (METADATA, *keys)}
+
+
+def read_array(name: str, spec: ArraySpec, content: Content) -> NDArray:
+    """The array `spec` of the episode `name`; raises StoreError, and FaultError for damage."""
+    require_memory(name, spec.path, spec.bytes)
+    whole = np.empty(spec.shape, spec.dtype)
+    for part, block in blocks(name, spec, content):
+        whole[part] = block
     return whole
 
 
-def _unreadable(name: str, spec: ArraySpec, error: Exception) -> FaultError:
-    """Whatever zarr and its codecs raise (they share no class) as one line."""
-    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-    return FaultError(
-        name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({reason}); {REMEDY}"
+def blocks(
+    name: str, spec: ArraySpec, content: Content
+) -> Iterator[tuple[tuple[slice, ...], NDArray]]:
+    """Yield the parts of an array of the episode `name`, one at a time, and where each belongs.
+
+    Raises StoreError, and FaultError for damage: at the end also where what came is not what was
+    recorded.
+    """
+    _require_metadata(name, spec, content)
+    digest = ArrayDigest(spec)
+    chunk = ArraySpec(spec.path, spec.chunks, spec.dtype)
+    # What cannot be compressed grows by less than that.
+    most_bytes = chunk.bytes + chunk.bytes // 64 + 1024
+    for place in places(spec.shape, spec.chunks):
+        key = f"{spec.path}/{chunk_key(place)}"
+        try:
+            block = decoded(content(key, most_bytes), spec.dtype, spec.chunks)
+        except ValueError as error:
+            raise FaultError(
+                name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({error}); {REMEDY}"
+            ) from error
+        inside = box(place, spec.chunks)
+        rest = tuple(size - part.start for size, part in zip(spec.shape, inside, strict=True))
+        block = np.asarray(block[tuple(map(slice, rest))], order="C")
+        digest.update(block)
+        yield inside, block
+    if spec.digest and digest.hexdigest() != spec.digest:
+        raise FaultError(
+            name,
+            FaultKind.MISMATCH,
+            f"{spec.path} holds other values than were recorded: its digest is another; {REMEDY}",
+        )
+
+
+def require_memory(name: str, what: str, bytes: int) -> None:
+    """Raise StoreError where so much is more than one array may take on this machine."""
+    most = MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if bytes > most:
+        raise StoreError(
+            f"{name}: {what} takes {bytes / 1e9:.1f} GB in memory, wanted at most {most / 1e9:.1f} "
+            "GB, half of what this machine has; read it on a larger one, or record shorter episodes"
+        )
+
+
+def _require_metadata(name: str, spec: ArraySpec, content: Content) -> None:
+    try:
+        metadata = parse_json(content(f"{spec.path}/{METADATA}", MOST_METADATA_BYTES))
+    except FaultError as error:
+        if error.fault.kind is not FaultKind.MISSING:
+            raise
+        raise FaultError(
+            name, FaultKind.MISSING, f"the array {spec.path} is missing; {REMEDY}"
+        ) from error
+    except ValueError as error:
+        raise FaultError(
+            name,
+            FaultKind.UNREADABLE,
+            f"{spec.path}/{METADATA} does not decode ({error}); {REMEDY}",
+        ) from error
+    wanted = array_metadata(spec.shape, spec.dtype, spec.chunks)
+    if metadata == wanted:
+        return
+    if not isinstance(metadata, dict) or not wanted.keys() <= metadata.keys():
+        raise FaultError(
+            name, FaultKind.UNREADABLE, f"{spec.path} does not decode (no zarr array); {REMEDY}"
+        )
+    kind, shape = metadata["data_type"], metadata["shape"]
+    found = f"{kind} ({', '.join(map(str, shape))})" if isinstance(shape, list) else "no array"
+    differing = ", ".join(key for key in wanted if metadata[key] != wanted[key]) or "more is told"
+    raise FaultError(
+        name,
+        FaultKind.MISMATCH,
+        f"{spec.path} is {found:.80}; its header wants {spec.dtype} {spec.shape}, stored as is "
+        f"usual here (unlike that: {differing}); {REMEDY}",
     )

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -64,6 +64,8 @@ class Header:
     """what features and actions mean; None where the recording does not say"""
     broken: tuple[BrokenSteps, ...] = ()
     """what broke down, and when; what cut the episode short at a step after its last one"""
+    digests: Mapping[str, str] | None = field(default=None, compare=False)
+    """of each array, by its path, as they were written; None where the recording does not say"""
 
 
 def header_of(episode: Episode, space: Space | None = None) -> Header:

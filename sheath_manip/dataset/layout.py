@@ -26,6 +26,7 @@ A policy was to drive an episode if it proposed an action in any step, or if the
 checkpoint that drove it; a plain demonstration therefore has no intervention.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -36,6 +37,12 @@ from sheath_manip.dataset.header import Header
 
 Arrays = Mapping[str, NDArray]
 """by the path of their `ArraySpec`"""
+FRAMES_PER_CHUNK = 64
+"""Chunks of single frames take ten times as long to write and compress far worse."""
+MOST_CHUNK_BYTES = 512 << 20
+"""in memory: 64 frames of 2.7 million pixels; whoever reads an episode takes that much at a time"""
+MOST_COLUMN_BYTES = 512 << 20
+"""in memory, of all arrays together that are no images: half a million steps of a kilobyte"""
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,27 @@ class ArraySpec:
     path: str
     shape: tuple[int, ...]
     dtype: str
+    digest: str = ""
+    """of its content, see `digests`; empty where the recording does not say"""
+
+    @property
+    def bytes(self) -> int:
+        """The size in memory."""
+        return math.prod(self.shape) * np.dtype(self.dtype).itemsize
+
+    @property
+    def chunks(self) -> tuple[int, ...]:
+        """Images lie in blocks of frames; every other array is small and one chunk."""
+        # zarr refuses a chunk of length 0, which an array without features would ask for.
+        whole = tuple(max(1, size) for size in self.shape)
+        if self.is_film:
+            return (min(FRAMES_PER_CHUNK, whole[0]), *whole[1:])
+        return whole
+
+    @property
+    def is_film(self) -> bool:
+        """Whether the array holds the images of all steps: nearly all of an episode."""
+        return self.is_image and len(self.shape) == 4
 
     @property
     def is_image(self) -> bool:
@@ -75,10 +103,30 @@ def layout(header: Header) -> list[ArraySpec]:
         *((name, (), "float64") for name in ("score", "threshold", "reward")),
         *limited,
     ]
-    return [
-        *(ArraySpec(name, (header.length, *shape), dtype) for name, shape, dtype in step),
-        *(ArraySpec(f"final/{name}", shape, dtype) for name, shape, dtype in observation),
+    arrays: list[tuple[str, tuple[int, ...], str]] = [
+        *((name, (header.length, *shape), dtype) for name, shape, dtype in step),
+        *((f"final/{name}", shape, dtype) for name, shape, dtype in observation),
     ]
+    digests = header.digests or {}
+    return [ArraySpec(*array, digests.get(array[0], "")) for array in arrays]
+
+
+def require_bounds(header: Header) -> None:
+    """Raise ValueError where an episode of such sizes would take more memory than may be."""
+    specs = layout(header)
+    for spec in specs:
+        chunk = ArraySpec(spec.path, spec.chunks, spec.dtype)
+        if chunk.bytes > MOST_CHUNK_BYTES:
+            raise ValueError(
+                f"{spec.path} has blocks of {chunk.bytes >> 20} MB, wanted at most "
+                f"{MOST_CHUNK_BYTES >> 20}"
+            )
+    columns = sum(spec.bytes for spec in specs if not spec.is_image)
+    if columns > MOST_COLUMN_BYTES:
+        raise ValueError(
+            f"its arrays but for images take {columns >> 20} MB, wanted at most "
+            f"{MOST_COLUMN_BYTES >> 20}"
+        )
 
 
 def has_label(arrays: Arrays) -> NDArray[np.bool_]:

@@ -2,18 +2,21 @@
 
 import json
 import re
-import uuid
 from datetime import UTC, datetime
 from pathlib import Path
 
-from sheath_manip.dataset.durable import sync
+from sheath_manip.bounded_json import parse_json
+from sheath_manip.dataset.fields import shown
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
+from sheath_manip.dataset.rooted_files import read_inside
 from sheath_manip.exceptions import StoreError
+from sheath_manip.outputs import sync, written_aside
 
 MARKER = "sheath-store.json"
 FORMAT = "sheath-store"
 SCHEMA = 1
 """of the directory; each episode has its own, see `attributes.SCHEMA`"""
+MOST_MARKER_BYTES = 64 << 10
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
 
 
@@ -22,10 +25,11 @@ def require_marker(path: Path) -> None:
     _require_directory(path)
     if not path.exists():
         raise _no_store(path, "nothing")
-    if not (path / MARKER).is_file():
-        raise _no_store(path, f"a {'directory' if path.is_dir() else 'file'} without {MARKER}")
     try:
-        content = (path / MARKER).read_bytes()
+        content = read_inside(path, MARKER, MOST_MARKER_BYTES)
+    except (FileNotFoundError, NotADirectoryError) as error:
+        kind = "directory" if path.is_dir() else "file"
+        raise _no_store(path, f"a {kind} without {MARKER}") from error
     except OSError as error:
         raise _no_store(path, f"a {MARKER} that cannot be read ({error})") from error
     parse_marker(path, content)
@@ -34,15 +38,15 @@ def require_marker(path: Path) -> None:
 def parse_marker(where: Path | str, content: bytes) -> None:
     """Raise StoreError unless `content` is the marker of a store of this schema."""
     try:
-        marker = json.loads(content)
-    except (ValueError, RecursionError) as error:
+        marker = parse_json(content)
+    except ValueError as error:
         raise _no_store(where, f"a {MARKER} that does not decode ({error})") from error
     if not isinstance(marker, dict) or marker.get("format") != FORMAT:
         raise _no_store(where, f"a {MARKER} of another format")
     if marker.get("schema") != SCHEMA:
         raise StoreError(
-            f"{where} is an episode store of schema {marker.get('schema')}, wanted {SCHEMA}; read "
-            "it with the version of sheath-manip that made it"
+            f"{where} is an episode store of schema {shown(marker.get('schema'))}, wanted "
+            f"{SCHEMA}; read it with the version of sheath-manip that made it"
         )
 
 
@@ -66,11 +70,8 @@ def write_marker(path: Path) -> None:
         return
     if foreign:
         raise _no_store(path, f"a directory with {foreign[0]!r} in it")
-    aside = path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
-    aside.write_text(marker_text())
-    sync(aside)
-    aside.replace(path / MARKER)
-    sync(path)
+    with written_aside(path / MARKER) as aside:
+        aside.write_text(marker_text())
     sync(path.parent)
 
 

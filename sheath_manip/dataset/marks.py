@@ -1,22 +1,28 @@
 """What a person said of an episode afterwards: a small file beside it, the episode itself stays."""
 
 import json
-import uuid
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.durable import sync
+from sheath_manip.bounded_json import parse_json
+from sheath_manip.dataset.digests import DIGEST, stamped, unstamped
 from sheath_manip.dataset.faults import Fault, FaultKind
-from sheath_manip.dataset.naming import LEFTOVER_PREFIX, is_episode_name
+from sheath_manip.dataset.fields import MOST_STEPS, Fields, one_of, rows_of, whole, word
+from sheath_manip.dataset.naming import is_episode_name
+from sheath_manip.dataset.rooted_files import kind_of, read_inside
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.outputs import sync, written_aside
 from sheath_manip.types import Episode, Outcome, Step
 
 SUFFIX = ".marks.json"
 FORMAT = "sheath-marks"
 SCHEMA = 1
+MOST_MARKS_BYTES = 4 << 20
+_STEP = whole(0, MOST_STEPS)
+_OUTCOME = one_of(Outcome)
 
 
 @dataclass(frozen=True)
@@ -81,7 +87,7 @@ def read_marks(store: Path, name: str) -> Marks:
     """The marks of an episode, empty where there are none; raises StoreError where broken."""
     path = marks_path(store, name)
     try:
-        content = path.read_bytes()
+        content = read_inside(store, path.name, MOST_MARKS_BYTES)
     except FileNotFoundError:
         return Marks()
     except OSError as error:
@@ -92,18 +98,26 @@ def read_marks(store: Path, name: str) -> Marks:
 def parse_marks(where: Path | str, content: bytes) -> Marks:
     """The marks in `content`; raises StoreError, told of `where`, where they are none."""
     try:
-        fields = json.loads(content)
-        if fields["format"] != FORMAT or fields["schema"] != SCHEMA:
-            raise ValueError(f"format {fields['format']!r}, schema {fields['schema']!r}")
-        outcome = None if fields["outcome"] is None else Outcome(fields["outcome"])
-        marks = Marks(outcome)
-        for start, stop in fields["bad"]:
-            marks = marks.with_bad(int(start), int(stop))
-        return marks
-    except (ValueError, KeyError, TypeError, RecursionError, ParameterError) as error:
+        told = parse_json(content)
+        # Marks of before there was one have no digest.
+        fields = Fields(unstamped(told) if isinstance(told, dict) and DIGEST in told else told)
+        schema = fields.take("format", word), fields.take("schema", whole(0, 1 << 30))
+        if schema != (FORMAT, SCHEMA):
+            raise ValueError(f"format {schema[0]!r}, schema {schema[1]}")
+        outcome = fields.take("outcome", lambda told: None if told is None else _OUTCOME(told))
+        stretches = fields.take("bad", rows_of(rows_of(_STEP, 2), MOST_STEPS))
+        fields.require_empty()
+        bad, last = [], -1
+        for stretch in stretches:
+            if len(stretch) != 2 or not last < stretch[0] < stretch[1]:
+                raise ValueError("wanted stretches in order and apart, none of them empty")
+            bad.append(stretch)
+            last = stretch[1]
+        return Marks(outcome, tuple(bad))
+    except ValueError as error:
         raise StoreError(
-            f"{where} holds no marks of schema {SCHEMA} ({type(error).__name__}: {error}); "
-            "delete it, and mark the episode again"
+            f"{where} holds no marks of schema {SCHEMA} ({error}); delete it, and mark the "
+            "episode again"
         ) from error
 
 
@@ -112,25 +126,24 @@ def write_marks(store: Path, name: str, marks: Marks) -> None:
     path = marks_path(store, name)
     if marks == Marks():
         path.unlink(missing_ok=True)
+        sync(store)
     else:
-        aside = store / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
-        aside.write_text(marks_text(marks))
-        sync(aside)
-        aside.replace(path)
-    sync(store)
+        with written_aside(path) as aside:
+            aside.write_text(marks_text(marks))
 
 
 def marks_text(marks: Marks) -> str:
     """Return the marks as their file holds them."""
     fields = {"format": FORMAT, "schema": SCHEMA, "outcome": marks.outcome, "bad": marks.bad}
-    return json.dumps(fields)
+    return json.dumps(stamped(fields))
 
 
 def marks_faults(store: Path, names: set[str]) -> list[Fault]:
     """Return what is wrong with the files of marks in `store`, which has the episodes `names`."""
     faults = []
     for entry in sorted(store.iterdir()):
-        if not is_marks_name(entry.name):
+        # What is no plain file has been told of.
+        if not is_marks_name(entry.name) or kind_of(entry.lstat()):
             continue
         name = entry.name.removesuffix(SUFFIX)
         if name not in names:

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sheath_manip.dataset.check import check_episode
+from sheath_manip.dataset.check import require_sound_episode
 from sheath_manip.dataset.compatibility import Alike, RecordedSpec, remarks
 from sheath_manip.dataset.content import content_digest
 from sheath_manip.dataset.durable import publish
-from sheath_manip.dataset.faults import FaultError
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, split_session
 from sheath_manip.dataset.reader import EpisodeReader
@@ -62,8 +61,7 @@ def merge(
             if there.has(reader, name):
                 held += 1
                 continue
-            for fault in check_episode(reader, name):
-                raise FaultError(fault.name, fault.kind, fault.text)
+            require_sound_episode(reader, name)
             if name in there:
                 taken = OfSession(reader, name, content_digest(reader, name)[:DIGITS])
                 (new,) = taken.names()
@@ -144,8 +142,7 @@ def split(
         for part, names in drawn.items():
             store = EpisodeStore.create(aside / part)
             for name in names:
-                for fault in check_episode(reader, name):
-                    raise FaultError(fault.name, fault.kind, fault.text)
+                require_sound_episode(reader, name)
                 store.copy_from(reader, name)
                 report(name)
         publish(aside, into)

@@ -4,18 +4,23 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.compatibility import RecordedSpec, require_compatible
 from sheath_manip.dataset.faults import Fault, FaultError
+from sheath_manip.dataset.group import blocks, read_array, require_memory
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import ArraySpec, layout
+from sheath_manip.dataset.layout import MOST_CHUNK_BYTES, ArraySpec, layout
 from sheath_manip.dataset.marks import Marks, learnable
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import episode_from, require_sound
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+
+LARGEST_FILE_BYTES = 2 * MOST_CHUNK_BYTES
+"""No file of an episode is that large."""
 
 
 @dataclass(frozen=True)
@@ -61,17 +66,32 @@ class EpisodeReader(ABC):
         Raises StoreError where it is damaged.
         """
 
-    @abstractmethod
     def array(self, name: str, spec: ArraySpec) -> NDArray:
         """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
+        return read_array(name, spec, partial(self.content, name))
+
+    def require_whole(self, name: str, spec: ArraySpec) -> None:
+        """Raise StoreError where an array is damaged; holds one block of it at a time."""
+        for _ in blocks(name, spec, partial(self.content, name)):
+            pass
 
     @abstractmethod
     def files(self, name: str) -> Mapping[str, int]:
         """The size in bytes of each file of the episode, by its path in the episode's folder."""
 
     @abstractmethod
-    def content(self, name: str, file: str) -> bytes:
-        """Return what is in one of the `files` of an episode."""
+    def content(self, name: str, file: str, most_bytes: int = LARGEST_FILE_BYTES) -> bytes:
+        """Return what is in one of the `files` of an episode.
+
+        Raises StoreError, and FaultError where it is damaged, missing or of more bytes.
+        """
+
+    def odd_files(self, name: str) -> Mapping[str, str]:  # noqa: ARG002
+        """What is neither file nor folder in an episode's folder, by its path: such as `a link`.
+
+        Places that are no directory have nothing of the kind.
+        """
+        return {}
 
     @abstractmethod
     def entry_faults(self) -> list[Fault]:
@@ -137,11 +157,9 @@ class EpisodeReader(ABC):
         Without `need_images` no image is decompressed, and the arrays of images are not there.
         """
         header = self.header(name)
-        arrays = {
-            spec.path: self.array(name, spec)
-            for spec in layout(header)
-            if need_images or not spec.is_image
-        }
+        wanted = [spec for spec in layout(header) if need_images or not spec.is_image]
+        require_memory(name, "the episode", sum(spec.bytes for spec in wanted))
+        arrays = {spec.path: self.array(name, spec) for spec in wanted}
         require_sound(header, arrays)
         return Recorded(header, arrays)
 

@@ -3,6 +3,7 @@
 from typing import ClassVar
 
 from sheath_manip.dataset.space import Space
+from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
@@ -33,5 +34,5 @@ class Recorder:
         """Do nothing: no step is written before an episode is complete."""
 
     def on_end(self, episode: Episode) -> None:
-        """Append the episode; raises StoreError as `EpisodeStore.append` does."""
-        self.store.append(episode, self.space)
+        """Keep the episode; raises StoreError as `EpisodeStore.keep` does."""
+        self.store.keep(recorded_of(episode, self.space))

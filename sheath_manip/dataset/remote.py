@@ -13,22 +13,17 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from datetime import timedelta
-from functools import cached_property
 from pathlib import PurePosixPath
 from typing import Any
 
-from numpy.typing import NDArray
-from zarr.storage import ObjectStore, StorePath
-
-from sheath_manip.dataset.attributes import GROUP_FILE, parse_header
+from sheath_manip.bounded_json import parse_json
+from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, parse_header
 from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.faults import Fault, FaultError, FaultKind
-from sheath_manip.dataset.group import read_array
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import ArraySpec
-from sheath_manip.dataset.marker import MARKER, marker_text, parse_marker
+from sheath_manip.dataset.marker import MARKER, MOST_MARKER_BYTES, marker_text, parse_marker
 from sheath_manip.dataset.naming import is_episode_name
-from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
+from sheath_manip.dataset.reader import LARGEST_FILE_BYTES, EpisodeReader, no_such_episode
 from sheath_manip.exceptions import StoreError
 
 with needs("remote", "obstore"):
@@ -38,6 +33,7 @@ with needs("remote", "obstore"):
 
 MANIFESTS = "manifest"
 FORMAT, SCHEMA = "sheath-manifest", 1
+MOST_MANIFEST_BYTES = 64 << 20
 _DIGEST = re.compile(r"[0-9a-f]{64}")
 
 
@@ -53,7 +49,7 @@ class RemoteStore(EpisodeReader):
         # An episode never changes, so its manifest is asked for once.
         self._manifests: dict[str, Mapping[str, Any]] = {}
         with self._reaching(MARKER, missing=f"wanted an episode store at {url}, found no {MARKER}"):
-            parse_marker(self.url, self._get(MARKER))
+            parse_marker(self.url, self._get(MARKER, MOST_MARKER_BYTES))
 
     @classmethod
     def create(cls, url: str) -> "RemoteStore":
@@ -90,36 +86,32 @@ class RemoteStore(EpisodeReader):
         self._manifest(name)
         missing = FaultError(name, FaultKind.MISSING, f"its manifest is there, {GROUP_FILE} is not")
         try:
-            return parse_header(name, self._get(f"{name}/{GROUP_FILE}"))
+            return parse_header(name, self._get(f"{name}/{GROUP_FILE}", MOST_BYTES))
         except FileNotFoundError as error:
             raise missing from error
         except BaseError as error:
             raise _unreachable(self.url, error) from error
 
-    def array(self, name: str, spec: ArraySpec) -> NDArray:
-        """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
-        try:
-            return read_array(name, StorePath(self._group, name), spec)
-        except FaultError as error:
-            # A server that does not answer is no reason to drop an episode.
-            if isinstance(error.__cause__, BaseError):
-                raise _unreachable(self.url, error.__cause__) from error
-            raise
-
     def files(self, name: str) -> Mapping[str, int]:
         """The size in bytes of each object of the episode, as its manifest tells."""
         return {file: entry["bytes"] for file, entry in self._manifest(name).items()}
 
-    def content(self, name: str, file: str) -> bytes:
+    def content(self, name: str, file: str, most_bytes: int = LARGEST_FILE_BYTES) -> bytes:
         """Return what is in one of the `files`.
 
-        Raises StoreError where it is not what was pushed.
+        Raises StoreError, and FaultError where it is not what was pushed.
         """
-        wanted = self._manifest(name)[file]["sha256"]
-        path = f"{name}/{file}"
-        with self._reaching(path, missing=f"{name}: its manifest lists {file}, which is not there"):
-            content = self._get(path)
-        if hashlib.sha256(content).hexdigest() != wanted:
+        entry, path = self._manifest(name).get(file), f"{name}/{file}"
+        if entry is None:
+            raise FaultError(name, FaultKind.MISSING, f"its manifest does not list {file}")
+        try:
+            content = self._get(path, most_bytes)
+        except FileNotFoundError as error:
+            text = f"its manifest lists {file}, which is not there"
+            raise FaultError(name, FaultKind.MISSING, text) from error
+        except (BaseError, OSError) as error:
+            raise _unreachable(self.url, error) from error
+        if hashlib.sha256(content).hexdigest() != entry["sha256"]:
             raise FaultError(
                 name, FaultKind.UNREADABLE, f"{file} differs from what was pushed; push it again"
             )
@@ -161,12 +153,13 @@ class RemoteStore(EpisodeReader):
             if folder not in committed
         ]
 
-    @cached_property
-    def _group(self) -> ObjectStore:
-        return ObjectStore(self._objects, read_only=True)
-
-    def _get(self, path: str) -> bytes:
-        return bytes(obstore.get(self._objects, path).bytes())
+    def _get(self, path: str, most_bytes: int) -> bytes:
+        found = obstore.get(self._objects, path)
+        if found.meta["size"] > most_bytes:
+            raise StoreError(
+                f"{self.url} has {found.meta['size']} bytes as {path}, wanted at most {most_bytes}"
+            )
+        return bytes(found.bytes())
 
     def _manifest(self, name: str) -> Mapping[str, Any]:
         if name in self._manifests:
@@ -174,19 +167,19 @@ class RemoteStore(EpisodeReader):
         if not is_episode_name(name):
             raise no_such_episode(self.url, name)
         try:
-            content = self._get(_manifest_path(name))
+            content = self._get(_manifest_path(name), MOST_MANIFEST_BYTES)
         except FileNotFoundError as error:
             raise no_such_episode(self.url, name) from error
         except (BaseError, OSError) as error:
             raise _unreachable(self.url, error) from error
         try:
-            manifest = json.loads(content)
+            manifest = parse_json(content)
             if (manifest["format"], manifest["schema"]) != (FORMAT, SCHEMA):
                 raise ValueError("another format or schema")
             files = manifest["files"]
             if not all(_is_entry(file, entry) for file, entry in files.items()):
                 raise ValueError("a file without size and digest, or outside the episode")
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise FaultError(
                 name, FaultKind.UNREADABLE, f"its manifest is broken ({error}); push it again"
             ) from error

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from numpy.typing import NDArray
-
 from sheath_manip.dataset.attributes import GROUP_FILE, to_attributes
+from sheath_manip.dataset.digests import sealed
 from sheath_manip.dataset.faults import Fault
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.naming import episode_name
-from sheath_manip.dataset.reader import EpisodeReader
-from sheath_manip.dataset.zarr_files import group_files
+from sheath_manip.dataset.reader import LARGEST_FILE_BYTES, EpisodeReader
+from sheath_manip.dataset.zarr_files import group_file
 
 
 class OfSession(EpisodeReader):
@@ -27,7 +25,10 @@ class OfSession(EpisodeReader):
         self._inner = inner
         header = reader.header(inner)
         self._header = replace(header, info=replace(header.info, session=session))
-        self._content = group_files(to_attributes(self._header))[GROUP_FILE]
+        attributes = to_attributes(self._header)
+        if self._header.digests is not None:
+            attributes = sealed(attributes, self._header.digests)
+        self._content = group_file(attributes)
 
     @property
     def address(self) -> str:
@@ -42,17 +43,19 @@ class OfSession(EpisodeReader):
         """Return the episode's header, with the session."""
         return self._header
 
-    def array(self, name: str, spec: ArraySpec) -> NDArray:  # noqa: ARG002
-        """Return one of the episode's arrays; raises StoreError where it is damaged."""
-        return self._reader.array(self._inner, spec)
-
     def files(self, name: str) -> Mapping[str, int]:  # noqa: ARG002
         """The size in bytes of each of its files."""
         return {**self._reader.files(self._inner), GROUP_FILE: len(self._content)}
 
-    def content(self, name: str, file: str) -> bytes:  # noqa: ARG002
+    def odd_files(self, name: str) -> Mapping[str, str]:  # noqa: ARG002
+        """What is neither file nor folder in its folder."""
+        return self._reader.odd_files(self._inner)
+
+    def content(self, name: str, file: str, most_bytes: int = LARGEST_FILE_BYTES) -> bytes:  # noqa: ARG002
         """Return what is in one of the episode's files."""
-        return self._content if file == GROUP_FILE else self._reader.content(self._inner, file)
+        if file == GROUP_FILE:
+            return self._content
+        return self._reader.content(self._inner, file, most_bytes)
 
     def entry_faults(self) -> list[Fault]:
         """Return nothing, since nothing else is here."""

@@ -1,15 +1,16 @@
 """Mending what can be mended in a store without losing an episode."""
 
-import json
+import os
 import shutil
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from sheath_manip.dataset.attributes import GROUP_FILE, from_attributes
+from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, header_in
 from sheath_manip.dataset.durable import sync
-from sheath_manip.dataset.faults import FaultError, FaultKind
+from sheath_manip.dataset.faults import FaultError
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
+from sheath_manip.dataset.rooted_files import entries, is_folder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 
@@ -43,11 +44,11 @@ def repair(store: EpisodeStore, idle_s: float) -> Repaired:
             if now_s - _last_written_s(entry) < idle_s:
                 waiting.append(entry.name)
                 continue
-            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+            shutil.rmtree(entry) if is_folder(entry) else entry.unlink()
             swept.append(entry.name)
         for name in store.names():
             own = _own_name(store, name)
-            if own is not None and not (store.path / own).exists():
+            if own is not None and not os.path.lexists(store.path / own):
                 (store.path / name).rename(store.path / own)
                 renamed.append(own)
         sync(store.path)
@@ -59,14 +60,12 @@ def repair(store: EpisodeStore, idle_s: float) -> Repaired:
 def _own_name(store: EpisodeStore, name: str) -> str | None:
     """The name that an episode's header tells of, where it has another."""
     try:
-        store.header(name)
-    except FaultError as error:
-        if error.fault.kind is FaultKind.MISMATCH:
-            group = json.loads((store.path / name / GROUP_FILE).read_bytes())
-            return episode_name(from_attributes(name, group["attributes"]).info)
-    return None
+        own = episode_name(header_in(name, store.content(name, GROUP_FILE, MOST_BYTES)).info)
+    except FaultError:
+        return None
+    return None if own == name else own
 
 
 def _last_written_s(entry: Path) -> float:
-    inside = entry.rglob("*") if entry.is_dir() else ()
-    return max(path.lstat().st_mtime for path in (entry, *inside))
+    inside = (status for _, status in entries(entry)) if is_folder(entry) else ()
+    return max(status.st_mtime for status in (entry.lstat(), *inside))

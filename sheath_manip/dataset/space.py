@@ -1,13 +1,16 @@
 """What the numbers of an episode mean: names of features and actions, and the actions' bounds."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.fields import Fields, Read, number, rows_of, word
 from sheath_manip.json_files import strict_float
 from sheath_manip.types import TaskSpec
+
+MOST_NAMES = 100_000
+"""of features, actions or choices"""
 
 
 @dataclass(frozen=True)
@@ -46,19 +49,21 @@ class Space:
         }
 
     @classmethod
-    def from_json(cls, fields: Mapping[str, Any]) -> "Space":
-        """Return what `to_json` gave; raises KeyError, TypeError or ValueError for anything else.
+    def from_json(cls, value: Any) -> "Space":
+        """Return what `to_json` gave; raises ValueError for anything else.
 
         The lists must agree in length.
         """
-        choices = fields["action_choices"]
+        fields = Fields(value)
+        words, numbers = rows_of(word, MOST_NAMES), rows_of(number, MOST_NAMES)
         space = cls(
-            _words(fields["feature_names"]),
-            _words(fields["action_names"]),
-            _numbers(fields["action_minimum"]),
-            _numbers(fields["action_maximum"]),
-            None if choices is None else tuple(map(_numbers, choices)),
+            fields.take("feature_names", words),
+            fields.take("action_names", words),
+            fields.take("action_minimum", numbers),
+            fields.take("action_maximum", numbers),
+            fields.take("action_choices", _or_none(rows_of(numbers, MOST_NAMES))),
         )
+        fields.require_empty()
         size = len(space.action_names)
         rows = (space.action_minimum, space.action_maximum, *(space.action_choices or ()))
         if any(len(row) != size for row in rows):
@@ -66,17 +71,9 @@ class Space:
         return space
 
 
+def _or_none(read: Read) -> Read:
+    return lambda value: None if value is None else read(value)
+
+
 def _plain(values: NDArray) -> tuple[float, ...]:
     return tuple(float(value) for value in values)
-
-
-def _words(values: Any) -> tuple[str, ...]:
-    if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
-        raise TypeError("wanted a list of names")
-    return tuple(values)
-
-
-def _numbers(values: Any) -> tuple[float, ...]:
-    if not isinstance(values, list):
-        raise TypeError("wanted a list of numbers")
-    return tuple(map(float, values))

@@ -1,6 +1,8 @@
 """How the steps of an episode become arrays, and the arrays steps again."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,7 @@ from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, columns_of, header_of
 from sheath_manip.dataset.layout import Arrays, layout
 from sheath_manip.dataset.naming import episode_name
-from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.recorded import Frames, Recorded
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
@@ -50,8 +52,11 @@ def recorded_of(episode: Episode, space: Space | None = None) -> Recorded:
     return Recorded(header, arrays_of(episode, header))
 
 
-def arrays_of(episode: Episode, header: Header) -> Arrays:
-    """The arrays of `layout(header)`; raises StoreError where the steps of `episode` disagree."""
+def arrays_of(episode: Episode, header: Header) -> Mapping[str, Any]:
+    """The arrays of `layout(header)`, the images of the steps as `Frames`.
+
+    Raises StoreError where the steps of `episode` disagree.
+    """
     name = episode_name(episode.info)
     steps = episode.steps
     for step in steps:
@@ -63,8 +68,11 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
     final = episode.final_observation
     try:
         columns = columns_of(episode)
-        arrays: Arrays = {
-            **{f"images/{camera}": episode.images(camera) for camera in header.cameras},
+        return {
+            **{
+                f"images/{camera}": Frames([step.observation.images[camera] for step in steps])
+                for camera in header.cameras
+            },
             **{column: getattr(columns, column) for column in COLUMNS},
             **({"limited": _limited(episode, header)} if header.limits else {}),
             **{
@@ -77,10 +85,9 @@ def arrays_of(episode: Episode, header: Header) -> Arrays:
         }
     except ValueError as error:
         raise StoreError(f"{name}: its steps have arrays of different shapes ({error})") from error
-    return arrays
 
 
-def require_layout(header: Header, arrays: Arrays) -> None:
+def require_layout(header: Header, arrays: Mapping[str, Any]) -> None:
     """Raise StoreError where an array is missing or not of the shape and type of `layout`."""
     for spec in layout(header):
         array = arrays.get(spec.path)
@@ -180,6 +187,19 @@ def content_faults(header: Header, arrays: Arrays) -> list[Fault]:
             for array in not_finite(arrays)
         ),
     ]
+
+
+def content_remarks(header: Header, arrays: Arrays) -> list[Fault]:
+    """Return what is worth to be known of values as they were recorded: features that are none."""
+    rows, columns = np.nonzero(~np.isfinite(arrays["features"]))
+    if not len(rows):
+        return []
+    names = None if header.space is None else header.space.feature_names
+    which = f"feature {int(columns[0]) if names is None else names[columns[0]]!r}"
+    more = f", and {len(rows) - 1} more values are not finite" * (len(rows) > 1)
+    value = arrays["features"][rows[0], columns[0]]
+    text = f"{which} is {value} in step {rows[0]}{more}; nothing can be learned from that"
+    return [Fault(episode_name(header.info), FaultKind.REMARK, text)]
 
 
 def by_expert(header: Header, arrays: Arrays) -> NDArray[np.bool_]:

@@ -4,20 +4,26 @@ An episode is written aside, synced, and renamed to its name: any number of proc
 read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no reader looks at.
 """
 
+import os
 import shutil
+import stat
 import uuid
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 
-from numpy.typing import NDArray
-
-from sheath_manip.dataset.attributes import read_header
-from sheath_manip.dataset.durable import Files, publish_files, sync
-from sheath_manip.dataset.faults import Fault, FaultKind
-from sheath_manip.dataset.group import episode_files, read_array
+from sheath_manip.dataset.attributes import (
+    GROUP_FILE,
+    MOST_BYTES,
+    parse_header,
+    require_storable,
+)
+from sheath_manip.dataset.content import is_same
+from sheath_manip.dataset.disk import require_room, with_room
+from sheath_manip.dataset.durable import publish_files, sync
+from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
+from sheath_manip.dataset.group import episode_files
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
 from sheath_manip.dataset.marks import (
     Marks,
@@ -28,8 +34,15 @@ from sheath_manip.dataset.marks import (
     write_marks,
 )
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
-from sheath_manip.dataset.reader import EpisodeReader, no_such_episode
+from sheath_manip.dataset.reader import LARGEST_FILE_BYTES, EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.dataset.rooted_files import (
+    OddFileError,
+    entries,
+    is_folder,
+    kind_of,
+    read_inside,
+)
 from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.steps import (
     not_finite,
@@ -37,11 +50,10 @@ from sheath_manip.dataset.steps import (
     require_layout,
     require_sound,
 )
+from sheath_manip.dataset.zarr_files import File
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, EpisodeInfo
 
-FREE_BYTES_KEPT = 200_000_000
-"""A disk filled to the brim takes more down with it than one recording."""
 LONGEST_NAME = 255
 """characters in the name of a directory, on the usual file systems"""
 
@@ -84,8 +96,6 @@ class EpisodeStore(EpisodeReader):
         is not finite, where the steps' arrays disagree in shape or have other types than `types`
         declares, and where the disk is nearly full.
         """
-        if self._directory(episode.info).exists():
-            raise _taken(self.path, episode_name(episode.info))
         return self.append_arrays(recorded_of(episode, space))
 
     def append_arrays(self, recorded: Recorded) -> str:
@@ -93,27 +103,42 @@ class EpisodeStore(EpisodeReader):
 
         Raises StoreError as `append` does.
         """
-        header, arrays = recorded.header, recorded.arrays
-        final = self._directory(header.info)
-        name = final.name
-        if final.exists():
+        name = self._directory(recorded.header.info).name
+        if os.path.lexists(self.path / name):
             raise _taken(self.path, name)
+        self._publish(name, self._files(recorded), None)
+        return name
+
+    def keep(self, recorded: Recorded) -> str:
+        """Write an episode as `append_arrays`, or find that the very same is there; give its name.
+
+        So two processes may record the same run into one store: whichever is first stores it.
+        """
+        name = self._directory(recorded.header.info).name
+        self._publish(name, self._files(recorded), recorded.header)
+        return name
+
+    def _files(self, recorded: Recorded) -> Iterable[File]:
+        """The files of an episode, made as they are asked for; StoreError where it is none."""
+        header, arrays = recorded.header, recorded.arrays
+        require_storable(header)
         require_layout(header, arrays)
         for array in not_finite(arrays):
             raise StoreError(
-                f"{name}: an action in {array!r} is not finite; "
+                f"{episode_name(header.info)}: an action in {array!r} is not finite; "
                 "check actions with ActionSpec.validated"
             )
         require_sound(header, arrays)
-        self._publish(name, episode_files(header, arrays))
-        return name
+        return episode_files(recorded)
 
     def copy_from(self, source: EpisodeReader, name: str) -> None:
         """Write the episode `name` of `source` here, byte for byte.
 
         Raises StoreError as `append` does, and where `source` cannot give it.
         """
-        self._publish(name, {file: source.content(name, file) for file in source.files(name)})
+        files = source.files(name)
+        require_room(self.path, sum(files.values()))
+        self._publish(name, ((file, source.content(name, file)) for file in files), None)
         self.mark(name, source.marks(name))
 
     def marks(self, name: str) -> Marks:
@@ -138,7 +163,7 @@ class EpisodeStore(EpisodeReader):
 
     def drop(self, name: str) -> None:
         """Delete the episode for good, damaged or not; raises StoreError where there is none."""
-        if not is_episode_name(name) or not (self.path / name).is_dir():
+        if not is_episode_name(name) or not is_folder(self.path / name):
             raise no_such_episode(self.address, name)
         aside = self._aside()
         try:
@@ -150,19 +175,25 @@ class EpisodeStore(EpisodeReader):
         except OSError as error:
             raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
 
-    def _publish(self, name: str, files: Files) -> None:
-        """Write `files` into a directory aside, then give it its name."""
+    def _publish(self, name: str, files: Iterable[File], same_as: Header | None) -> None:
+        """Write `files` into a directory aside, then give it its name.
+
+        Where that is taken, by an episode like the one with the header `same_as`, all is well.
+        """
         aside = self._aside()
         try:
-            self._require_space(sum(map(len, files.values())))
-            publish_files(files, aside, self.path / name)
+            publish_files(with_room(self.path, files), aside, self.path / name)
         except FileExistsError as error:
-            raise _taken(self.path, name) from error
+            if same_as is None or not is_same(self.header(name), self._written(aside, name)):
+                raise _taken(self.path, name) from error
         except OSError as error:
             raise StoreError(f"cannot write {name} into {self.path} ({error})") from error
         finally:
             # After a success there is nothing left of that name.
             shutil.rmtree(aside, ignore_errors=True)
+
+    def _written(self, aside: Path, name: str) -> Header:
+        return parse_header(name, read_inside(aside, GROUP_FILE, MOST_BYTES))
 
     def _aside(self) -> Path:
         return self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
@@ -173,10 +204,10 @@ class EpisodeStore(EpisodeReader):
         Raises StoreError where its name is taken by an episode of another task, variant, checkpoint
         or control rate: skipping that one would mix two runs.
         """
-        directory = self._directory(info)
-        if not directory.exists():
+        name = self._directory(info).name
+        if not os.path.lexists(self.path / name):
             return False
-        held = read_header(directory).info
+        held = self.header(name).info
         if not held.variant:
             # Of before episodes said theirs: only its name can be gone by, as then.
             held = replace(held, variant=info.variant)
@@ -184,55 +215,86 @@ class EpisodeStore(EpisodeReader):
             both = ((f.name, getattr(held, f.name), getattr(info, f.name)) for f in fields(info))
             differing = ", ".join(f"{key} {a!r} instead of {b!r}" for key, a, b in both if a != b)
             raise StoreError(
-                f"{self.path} holds {directory.name} of another run: {differing}; "
-                "record into a new store"
+                f"{self.path} holds {name} of another run: {differing}; record into a new store"
             )
         return True
 
     def names(self) -> list[str]:
         """The names of all episodes, sorted; entries that are no episode are left out."""
         try:
-            entries = [e for e in self.path.iterdir() if is_episode_name(e.name) and e.is_dir()]
+            with os.scandir(self.path) as entries:
+                found = [
+                    entry.name
+                    for entry in entries
+                    if is_episode_name(entry.name) and entry.is_dir(follow_symlinks=False)
+                ]
         except OSError as error:
             raise StoreError(f"cannot list {self.path} ({error})") from error
-        return sorted(entry.name for entry in entries)
+        return sorted(found)
 
     def header(self, name: str) -> Header:
         """Return all of the episode `name` that is no array.
 
         Raises StoreError where it is damaged.
         """
-        if not is_episode_name(name) or not (self.path / name).is_dir():
+        if not is_episode_name(name) or not os.path.lexists(self.path / name):
             raise no_such_episode(self.address, name)
-        return read_header(self.path / name)
-
-    def array(self, name: str, spec: ArraySpec) -> NDArray:
-        """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
-        return read_array(name, self.path / name, spec)
+        try:
+            content = self.content(name, GROUP_FILE, MOST_BYTES)
+        except FaultError as error:
+            if error.fault.kind is not FaultKind.MISSING:
+                raise
+            raise FaultError(
+                name,
+                FaultKind.FOREIGN,
+                "wanted an episode, found no zarr.json in it; see `sheath data list`",
+            ) from error
+        return parse_header(name, content)
 
     def files(self, name: str) -> Mapping[str, int]:
         """The size in bytes of each file of the episode, by its path in the episode's folder."""
-        folder = self.path / name
-        return {
-            file.relative_to(folder).as_posix(): file.stat().st_size
-            for file in sorted(folder.rglob("*"))
-            if file.is_file()
-        }
+        return dict(
+            sorted(
+                (path, status.st_size)
+                for path, status in self._entries(name)
+                if stat.S_ISREG(status.st_mode)
+            )
+        )
 
-    def content(self, name: str, file: str) -> bytes:
-        """Return what is in one of the `files` of an episode."""
+    def odd_files(self, name: str) -> Mapping[str, str]:
+        """What is neither file nor folder in an episode's folder, by its path: such as `a link`."""
+        found = ((path, kind_of(status)) for path, status in self._entries(name))
+        return dict(sorted((path, kind) for path, kind in found if kind))
+
+    def _entries(self, name: str) -> list[tuple[str, os.stat_result]]:
         try:
-            return (self.path / name / file).read_bytes()
+            return list(entries(self.path / name))
         except OSError as error:
-            raise StoreError(f"cannot read {file} of {name} in {self.path} ({error})") from error
+            raise StoreError(f"cannot list {name} in {self.path} ({error})") from error
+
+    def content(self, name: str, file: str, most_bytes: int = LARGEST_FILE_BYTES) -> bytes:
+        """Return what is in one of the `files` of an episode; raises FaultError."""
+        try:
+            return read_inside(self.path, f"{name}/{file}", most_bytes)
+        except FileNotFoundError as error:
+            raise FaultError(name, FaultKind.MISSING, f"{file} is missing; {REMEDY}") from error
+        except OddFileError as error:
+            raise FaultError(name, FaultKind.ODD_FILE, f"{error}; {REMEDY}") from error
+        except OSError as error:
+            reason = f"{file} cannot be read ({error}); {REMEDY}"
+            raise FaultError(name, FaultKind.UNREADABLE, reason) from error
 
     def entry_faults(self) -> list[Fault]:
         """The leftovers, and what does not belong into the directory."""
         faults = []
         for entry in sorted(self.path.iterdir()):
+            odd = kind_of(entry.lstat())
             if entry.name.startswith(LEFTOVER_PREFIX):
                 text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
                 faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
+            elif odd:
+                text = f"{odd}, which is not followed; put there what it stands for, or delete it"
+                faults.append(Fault(entry.name, FaultKind.ODD_FILE, text))
             elif not (
                 entry.name == MARKER
                 or is_marks_name(entry.name)
@@ -250,15 +312,6 @@ class EpisodeStore(EpisodeReader):
                 f"wanted at most {LONGEST_NAME}; choose a shorter one in plain letters"
             )
         return self.path / name
-
-    def _require_space(self, needed_bytes: int) -> None:
-        free_bytes = shutil.disk_usage(self.path).free
-        if free_bytes < FREE_BYTES_KEPT + needed_bytes:
-            raise StoreError(
-                f"the disk of {self.path} has {free_bytes / 1e6:.0f} MB free, wanted "
-                f"{(FREE_BYTES_KEPT + needed_bytes) / 1e6:.0f} MB; free some or record elsewhere "
-                "(what was recorded before is safe)"
-            )
 
 
 def _taken(path: Path, name: str) -> StoreError:

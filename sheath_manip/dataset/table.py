@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 
 from rich.console import Console
 from rich.progress import track
@@ -9,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.dataset.check import check_episode
+from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import StoreError
@@ -55,11 +57,13 @@ def print_check(address: str, console: Console) -> int:
     Raises StoreError where `address` is no store.
     """
     reader = open_store(address)
-    faults, names = reader.entry_faults(), reader.names()
+    faults, names, without_digest = reader.entry_faults(), reader.names(), 0
     for name in track(
         names, "checking", console=console, transient=True, disable=not console.is_terminal
     ):
         faults += check_episode(reader, name)
+        with suppress(StoreError):
+            without_digest += reader.header(name).digests is None
     damaging = [fault for fault in faults if fault.damaging]
     if faults:
         table = Table(title=Text(reader.address), title_justify="left")
@@ -69,10 +73,13 @@ def print_check(address: str, console: Console) -> int:
             style = "red" if fault.damaging else "yellow"
             table.add_row(*(Text(cell, style) for cell in (fault.name, fault.kind, fault.text)))
         console.print(table)
-    leftovers = len(faults) - len(damaging)
-    console.print(
-        Text(f"{len(names)} episodes, {len(damaging)} faults, {leftovers} harmless leftovers")
-    )
+    remarks = sum(fault.kind is FaultKind.REMARK for fault in faults)
+    leftovers = len(faults) - len(damaging) - remarks
+    line = f"{len(names)} episodes, {len(damaging)} faults, {leftovers} harmless leftovers"
+    console.print(Text(line + f", {remarks} remarks" * bool(remarks)))
+    if without_digest:
+        told = f"{without_digest} episodes have no digest: of before there was one"
+        console.print(Text(f"{told}; a value changed together with its checksum is not found"))
     return 1 if damaging else 0
 
 

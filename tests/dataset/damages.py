@@ -11,6 +11,7 @@ import zarr
 
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.zarr_files import array_files
+from tests.dataset.seals import unseal
 
 LENGTH = 5
 """steps of the episode that is damaged"""
@@ -62,7 +63,7 @@ def file_to_folder(episode: Path, rng: Rng) -> None:
 
 def write_array(folder: Path, values: np.ndarray) -> None:
     folder.mkdir()
-    for name, content in array_files(values, tuple(max(1, n) for n in values.shape)).items():
+    for name, content in array_files(values, tuple(max(1, n) for n in values.shape)):
         (folder / name).write_bytes(content)
 
 
@@ -98,6 +99,7 @@ def spoil_value(path: str, value: float) -> Damage:
         values[one_of(rng, rows)] = value
         shutil.rmtree(episode / path)
         write_array(episode / path, values)
+        unseal(episode)
 
     return damage
 
@@ -106,14 +108,11 @@ def header(**options: Any) -> Damage:
     """An attribute of that name with one of the values; `...` takes it away."""
 
     def damage(episode: Path, rng: Rng) -> None:
-        group = json.loads((episode / "zarr.json").read_text())
         key = one_of(rng, sorted(options))
         value = one_of(rng, options[key])
-        if value is ...:
-            del group["attributes"][key]
-        else:
-            group["attributes"][key] = value
-        (episode / "zarr.json").write_text(json.dumps(group))
+        unseal(episode, lambda attributes: attributes.pop(key))
+        if value is not ...:
+            unseal(episode, lambda attributes: attributes.update({key: value}))
 
     return damage
 
@@ -165,19 +164,20 @@ DAMAGES: Mapping[str, tuple[Damage, set[FaultKind]]] = {
     "missing file": (delete_file, {K.MISSING, K.FOREIGN}),
     "missing array": (delete_array, {K.MISSING}),
     "noise": (write_noise, {K.UNREADABLE}),
-    "folder for a file": (file_to_folder, {K.MISSING, K.UNREADABLE, K.FOREIGN}),
+    "folder for a file": (file_to_folder, {K.ODD_FILE}),
     "another length": (rewrite(other_length), {K.MISMATCH}),
     "another type": (rewrite(other_type), {K.MISMATCH}),
-    "length in the header": (header(length=[1, 4, 6, 10**18]), {K.MISMATCH, K.MISSING}),
-    "no length": (header(length=[0, -3, *WRONG]), {K.UNREADABLE}),
+    "length in the header": (header(length=[4, 6, 10**5]), {K.MISMATCH, K.MISSING}),
+    "no length": (header(length=[0, -3, 10**18, 10**8, *WRONG]), {K.UNREADABLE}),
     "NaN executed": (spoil_value("executed", np.nan), {K.NOT_FINITE}),
     "infinity labelled": (spoil_value("labelled", -np.inf), {K.NOT_FINITE}),
     "unknown code": (spoil_value("reason", 200), {K.MISMATCH}),
-    "another count": (header(expert_steps=[-1, 77], queries=[99]), {K.MISMATCH}),
+    "another count": (header(expert_steps=[5], queries=[5]), {K.MISMATCH}),
+    "no count": (header(expert_steps=[-1, 77], queries=[99, 1.5]), {K.UNREADABLE}),
     "another schema": (header(schema=[0, 3, 99, "1", *WRONG]), {K.SCHEMA}),
     "another format": (header(format=["lerobot", *WRONG]), {K.FOREIGN}),
     "foreign attributes": (foreign_attributes, {K.FOREIGN}),
-    "foreign JSON": (foreign_json, {K.UNREADABLE, K.FOREIGN, K.MISMATCH}),
+    "foreign JSON": (foreign_json, {K.UNREADABLE, K.FOREIGN, K.MISMATCH, K.ODD_FILE}),
     "foreign file": (foreign_file, {K.FOREIGN}),
     "a name for nothing": (
         header(outcome=["won", *WRONG], purpose=["fun", *WRONG], actors=[["me"], "x"]),
@@ -188,11 +188,14 @@ DAMAGES: Mapping[str, tuple[Damage, set[FaultKind]]] = {
         {K.UNREADABLE},
     ),
     "no shape": (
-        header(cameras=[{"../x": [4, 4]}, {"front": 4}, [], None], action_size=["x", None, ...]),
-        {K.UNREADABLE, K.FOREIGN, K.MISMATCH},
+        header(
+            cameras=[{"../x": [4, 4]}, {"front": 4}, [], None, {"front": [1 << 16, 1 << 16]}],
+            action_size=["x", None, ..., -2, 1e3, 10**9],
+        ),
+        {K.UNREADABLE},
     ),
     "another shape": (
-        header(action_size=[0, 3, -2], state_size=[1, -1], cameras=[{"front": [9, 9]}]),
+        header(action_size=[0, 3], state_size=[1], cameras=[{"front": [9, 9]}]),
         {K.MISMATCH},
     ),
     "metadata of an array": (array_metadata, {K.UNREADABLE, K.MISMATCH, K.MISSING}),

@@ -53,7 +53,7 @@ def end(recorder: BackgroundRecorder, episodes: list[Episode]) -> None:
 
 @pytest.mark.parametrize("after", [[], EPISODES[1:]])
 def test_what_cannot_be_written_is_told(store: EpisodeStore, after: list[Episode]) -> None:
-    store.append(EPISODES[0])
+    store.append(episode_of("pp", info=EPISODES[0].info))
     with pytest.raises(StoreError, match="already holds"), BackgroundRecorder(store) as recorder:
         end(recorder, [EPISODES[0], *after])
     assert len(store.names()) == 1

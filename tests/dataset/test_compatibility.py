@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import ActionSpec, EpisodeInfo, Purpose, TaskSpec
+from tests.dataset.seals import unseal
 from tests.episodes import INFO, episode_of
 from tests.toy import Corridor
 from tools.identical import identical
@@ -118,12 +120,13 @@ class TestSpace:
 
 def aged(store: EpisodeStore, name: str) -> None:
     """Write the header as before schema 2."""
-    path = store.path / name / "zarr.json"
-    group = json.loads(path.read_text())
-    for key in ("variant", "session", "space"):
-        del group["attributes"][key]
-    group["attributes"]["schema"] = 1
-    path.write_text(json.dumps(group))
+
+    def change(attributes: dict[str, Any]) -> None:
+        for key in ("variant", "session", "space"):
+            del attributes[key]
+        attributes["schema"] = 1
+
+    unseal(store.path / name, change)
 
 
 class TestOldStores:

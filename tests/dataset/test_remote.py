@@ -10,11 +10,11 @@ import obstore
 import pytest
 from obstore.store import from_url
 
-from sheath_manip.dataset import remote
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.faults import FaultKind
+from sheath_manip.dataset.layout import ArraySpec
 from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.mapped import mapped_samples
 from sheath_manip.dataset.marker import MARKER
@@ -182,11 +182,14 @@ def manifest(**changes: object) -> Callable:
 
 outside = {"../../x": {"bytes": 1, "sha256": "0" * 64}}
 DAMAGES = {
-    "a lost chunk": (delete("{}/executed/c.0.0"), "executed has 0 of 1 chunks"),
+    "a lost chunk": (delete("{}/executed/c.0.0"), "executed/c.0.0, which is not there"),
     "a lost array": (delete("{}/score/zarr.json"), "the array score is missing"),
     "a lost header": (delete("{}/zarr.json"), "its manifest is there, zarr.json is not"),
     "a broken header": (overwrite("{}/zarr.json", b"{"), "its zarr.json does not decode"),
-    "another chunk": (overwrite("{}/executed/c.0.0", b"x"), "executed does not decode"),
+    "another chunk": (
+        overwrite("{}/executed/c.0.0", b"x"),
+        "executed/c.0.0 differs from what was pushed",
+    ),
     "a broken manifest": (overwrite("manifest/{}.json", b"{"), "its manifest is broken"),
     "a manifest of text": (overwrite("manifest/{}.json", b'"x"'), "its manifest is broken"),
     "another schema": (manifest(schema=2), "another format or schema"),
@@ -224,7 +227,7 @@ def test_a_changed_object_is_not_pulled(pushed, name, tmp_path: Path) -> None:
     path = f"{name}/zarr.json"
     header = bytes(obstore.get(from_url(pushed.url), path).bytes())
     obstore.put(from_url(pushed.url), path, header.replace(b"0.1.0", b"0.1.1"))
-    with pytest.raises(StoreError, match=r"zarr\.json differs from what was pushed"):
+    with pytest.raises(StoreError, match=r"its header is not as it was written"):
         merge([RemoteStore(pushed.url)], EpisodeStore.create(tmp_path / "back"))
 
 
@@ -257,7 +260,7 @@ def test_a_server_that_went_away_is_no_damage(store, name) -> None:
         lambda: target.read(name),
         lambda: check(target),
         lambda: merge([store], target),
-        lambda: target.array(name, remote.ArraySpec("score", (65,), "float64")),
+        lambda: target.array(name, ArraySpec("score", (65,), "float64")),
         lambda: target.content(name, "zarr.json"),
     ):
         with pytest.raises(StoreError, match=r"cannot reach s3://.*AWS_ENDPOINT_URL") as caught:

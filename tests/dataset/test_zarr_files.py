@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from zarr.codecs import ZstdCodec
 
 from sheath_manip.dataset.durable import publish_files
-from sheath_manip.dataset.zarr_files import array_files, group_files, within
+from sheath_manip.dataset.zarr_files import array_files, files_of, group_file
 from tests.cases import cases
 
 anything = st.sampled_from(["uint8", "bool", "float32", "float64", "int64"]).flatmap(
@@ -34,7 +34,10 @@ def test_an_array_is_what_zarr_itself_writes(values: NDArray, chunk: int) -> Non
     chunks = tuple(min(chunk, max(size, 1)) for size in values.shape)
     with tempfile.TemporaryDirectory() as folder, zarr.config.set({"json_indent": None}):
         ours, theirs = Path(folder, "ours"), Path(folder, "theirs")
-        made = group_files({"a": [1, "ä"]}) | within("x", array_files(values, chunks))
+        made = [
+            ("zarr.json", group_file({"a": [1, "ä"]})),
+            *files_of("x", array_files(values, chunks)),
+        ]
         publish_files(made, Path(folder, "aside"), ours)
         group = zarr.create_group(theirs, zarr_format=3, attributes={"a": [1, "ä"]})
         group.create_array(
@@ -52,5 +55,5 @@ def test_an_array_is_what_zarr_itself_writes(values: NDArray, chunk: int) -> Non
 
 def test_attributes_are_strict_json() -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
-        group_files({"a": float("nan")})
-    assert json.loads(group_files({"a": 1})["zarr.json"])["attributes"] == {"a": 1}
+        group_file({"a": float("nan")})
+    assert json.loads(group_file({"a": 1}))["attributes"] == {"a": 1}

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from sheath_manip.cli.options import StoreAddress
 from sheath_manip.cli.session import Session
+from sheath_manip.printable import printable
 
 if TYPE_CHECKING:
     from sheath_manip.types import TaskSpec
@@ -34,7 +35,7 @@ class ListStore:
         names = reader.names()
         task = reader.header(names[0]).info.task if names else ""
         # Not by rich, which would wrap the lines of the table.
-        print(card(reader, _spec(session, task), self.licence), end="")
+        print(printable(card(reader, _spec(session, task), self.licence)), end="")
         return 0
 
 

@@ -36,9 +36,8 @@ from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.exchange.zarr2 import Zarr2Array, read_json
-from sheath_manip.dataset.group import FRAMES_PER_CHUNK
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.layout import FRAMES_PER_CHUNK, layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome

@@ -32,6 +32,7 @@ from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import compatible
 from sheath_manip.dataset.extras import needs
+from sheath_manip.dataset.fields import MOST_STEPS
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
@@ -52,7 +53,6 @@ with needs("robomimic", "h5py"):
 
 ATTRIBUTE, DIGEST = "sheath", "sheath_digest"
 WANTED = "a robomimic HDF5 file"
-MOST_STEPS = 10**8
 _RENAMED = {"features": "obs/features", "reward": "rewards", "state": "states"}
 _FRAMES_PER_CHUNK = 8
 """robomimic reads short sequences at random, or the whole into RAM."""
