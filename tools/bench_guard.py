@@ -81,7 +81,8 @@ def guarded(before: Path, task: str, turns: int) -> Line:
     """How much longer a step takes than before."""
     with Side(before, task) as theirs, Side(HERE, task) as ours:
         # The first episode of a process warms up.
-        theirs.step_s(), ours.step_s()
+        for side in (theirs, ours):
+            side.step_s()
         pairs = []
         for turn in range(turns):
             # Whoever runs second finds the other's caches.

@@ -43,12 +43,12 @@ class GuardedActor:
             self._foreign.ask(self.expert.follow, observation)  # pyright: ignore[reportAttributeAccessIssue]
             self._lost = None
         except BrokenError as error:
-            self._lost = error
+            self._lost = error.again()
 
     def act(self, observation: Observation, begins: bool) -> Action:
         """(a,) what it would do; `begins` tells it that its turn does."""
         if self._lost is not None:
-            raise self._lost
+            raise self._lost.again()
         if begins and self._takes_over:
             self._foreign.ask(self.expert.take_over, observation)  # pyright: ignore[reportAttributeAccessIssue]
         return self._foreign.ask(self._act, observation)

@@ -58,7 +58,7 @@ def cut_short(
 
 def _bring_to_rest(stepping: Stepping, actors: Actors, broken: Breakdown) -> None:
     """Hold for as long as it takes to come to rest, or until that fails as well."""
-    if not (actors.can_hold and stepping.begun):
+    if not (actors.can_hold and stepping.moved):
         return
     # The error that ends the run says so.
     stepping.telling.hush(broken)

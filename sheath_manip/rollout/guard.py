@@ -21,6 +21,11 @@ class BrokenError(SheathError):
     def __init__(self, who: str, what: str, text: str = "") -> None:
         super().__init__(f"the {who} broke down ({f'{what}: {text}' if text else what})")
         self.breakdown = Breakdown(who, what)
+        self._text = text
+
+    def again(self) -> "BrokenError":
+        """Return the same once more: an error that is raised at each step grows by each."""
+        return BrokenError(self.breakdown.who, self.breakdown.what, self._text)
 
 
 def ask(who: str, call: Callable[..., Answer], *arguments: object) -> Answer:
@@ -91,15 +96,15 @@ class Foreign:
         try:
             ask(self.who, call, *arguments)
         except BrokenError as error:
-            self._out = error
+            self._out = error.again()
 
     def ask(self, call: Callable[..., Answer], *arguments: object) -> Answer:
         """Return what `call` returns; raises BrokenError."""
         if self._out is not None:
-            raise self._out
+            raise self._out.again()
         try:
             return ask(self.who, call, *arguments)
         except BrokenError as error:
             if error.breakdown.what == HUNG:
-                self._out = error
+                self._out = error.again()
             raise

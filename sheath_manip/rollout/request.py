@@ -7,9 +7,10 @@ from typing import Protocol
 
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy, Report
 from sheath_manip.rollout.discarding import until_kept
+from sheath_manip.rollout.guard import built
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.watch import Deadline
-from sheath_manip.task import Task
+from sheath_manip.task import HOLD, Task
 from sheath_manip.types import Actor, Episode, EpisodeInfo
 
 
@@ -83,7 +84,7 @@ def run_request(
         policy=crew.policy,
         expert=crew.expert,
         others=crew.others,
-        hold=request.task.make_hold(environment),
+        hold=built(HOLD, request.task.make_hold, environment),
         listeners=listeners,
         deadline=crew.deadline,
     )

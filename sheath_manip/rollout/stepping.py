@@ -32,17 +32,14 @@ class Stepping:
         self.terminated = False
         self.truncated = False
         self.telling = telling
+        self.moved = False
+        """whether the robot was commanded anything yet"""
         self._observation: Observation | None = None
         self._state: NDArray[np.float64] | None = None
 
     def begin(self, seed: int) -> None:
         """Start the episode; raises BrokenError, as all here does."""
         self._observation = self.stage.reset(seed)
-
-    @property
-    def begun(self) -> bool:
-        """Whether there is anything to see."""
-        return self._observation is not None
 
     @property
     def over(self) -> bool:
@@ -68,6 +65,7 @@ class Stepping:
         assert requested is not None
         if decision.broken:
             self.telling.tell(len(self.steps), decision)
+        self.moved = True
         transition = self.stage.step(requested)
         commanded = transition.commanded or Commanded(requested)
         step = Step(

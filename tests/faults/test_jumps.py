@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,9 +115,10 @@ def test_the_command_stays_within_its_limits_whatever_fails(seed, environment, m
 
     policies = [dict(RAISING), answers(NO_PROPOSALS)][seed % 2]
     gates = [answers(NO_DECISIONS), dict(RAISING)][seed % 2]
-    policy = some(policies, first(), int(rng.integers(1, 20)), Wild(seed), "propose")
-    gate = some(gates, first(), int(rng.integers(1, 10)), Mixture(0.3), "decide")
-    expert, place = Wild(-seed - 1 + 100), environment
+    policy: Any = some(policies, first(), int(rng.integers(1, 20)), Wild(seed), "propose")
+    gate: Any = some(gates, first(), int(rng.integers(1, 10)), Mixture(0.3), "decide")
+    expert: Any = Wild(100 + seed)
+    place: Any = environment
     if seed % 5 in (1, 3):
         expert = some(answers(NO_ACTIONS), first(), 99, expert, "act")
     if seed % 5 in (2, 4):
@@ -126,12 +128,12 @@ def test_the_command_stays_within_its_limits_whatever_fails(seed, environment, m
     with suppress(AttemptError):
         told.append(
             rollout(
-                place,  # pyright: ignore[reportArgumentType]
+                place,
                 EpisodeInfo("grasp-clutter", seed, Purpose.LEARNING, 20.0),
-                gate,  # pyright: ignore[reportArgumentType]
+                gate,
                 rng=rng,
-                policy=policy,  # pyright: ignore[reportArgumentType]
-                expert=expert,  # pyright: ignore[reportArgumentType]
+                policy=policy,
+                expert=expert,
                 hold=GRASP_CLUTTER.make_hold(environment),
                 listeners=(Last(told),),
             )

@@ -1,5 +1,7 @@
 """Whatever fails with a person beside it, the person is asked, and a stop holds the robot."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -50,7 +52,7 @@ def test_where_the_policy_fails_a_person_is_asked(way, stopped, monkeypatch):
 @pytest.mark.parametrize("way", GATES.values(), ids=GATES)
 @pytest.mark.parametrize("stopped", [False, True])
 def test_where_the_gate_fails_a_person_is_asked(way, stopped):
-    gate = Faulty(AlwaysPolicy(), "decide", way, 2, 99)
+    gate: Any = Faulty(AlwaysPolicy(), "decide", way, 2, 99)
     episode, _ = run({4: stop} if stopped else {}, gate, wait_s=1e9)
     decisions = [step.decision for step in episode.steps]
     assert all(decision.broken[0].who == "gate" for decision in decisions[2:])
@@ -59,7 +61,7 @@ def test_where_the_gate_fails_a_person_is_asked(way, stopped):
 
 
 def test_a_person_drives_on_whatever_the_gate_does():
-    gate = Faulty(AlwaysPolicy(), "decide", RAISING["ValueError"], 0, 99)
+    gate: Any = Faulty(AlwaysPolicy(), "decide", RAISING["ValueError"], 0, 99)
     episode, _ = run({2: take}, gate, wait_s=1e9)
     assert {step.decision.actor for step in episode.steps[2:]} == {Actor.OPERATOR}
 
@@ -71,7 +73,7 @@ def test_where_what_the_person_holds_fails_the_robot_holds_and_the_person_may_go
     beside = operated_corridor.beside_the_policy
 
     def faulty(*arguments, **options):
-        others = dict(beside(*arguments, **options))
+        others: dict[Actor, Any] = dict(beside(*arguments, **options))
         way = answering(NO_ACTIONS[answer])
         others[Actor.OPERATOR] = Faulty(others[Actor.OPERATOR], "act", way, 3, 2)
         return others

@@ -147,7 +147,9 @@ class Failing:
 
 
 def test_an_error_in_a_worker_is_told_in_one_line(two, tmp_path):
-    with pytest.raises(WorkerError, match=r"^the crew could not be made \(ZeroDivisionError: at 7\)$"):
+    with pytest.raises(
+        WorkerError, match=r"^the crew could not be made \(ZeroDivisionError: at 7\)$"
+    ):
         list(two.map(requests(1, Failing(7)), EpisodeStore.create(tmp_path)))
 
 

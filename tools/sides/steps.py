@@ -6,6 +6,7 @@ tasks' table, an expert, a policy that looks at every pixel, and a support gate.
 
 import sys
 import time
+from dataclasses import replace
 from itertools import count
 
 import numpy as np
@@ -15,6 +16,32 @@ from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import EpisodeInfo, Judgement, Proposal, Purpose
+
+
+STEPS = 120
+"""of an episode, after which the next one is begun"""
+
+
+class Short:
+    """Another environment, whose episodes end soon."""
+
+    def __init__(self, environment):
+        self.environment = environment
+        self.spec = environment.spec
+        self.state = environment.state
+        self.outcome = environment.outcome
+        self.metrics = environment.metrics
+
+    def reset(self, seed):
+        """Start the episode."""
+        self.left = STEPS
+        return self.environment.reset(seed)
+
+    def step(self, action):
+        """Run one control step."""
+        self.left -= 1
+        made = self.environment.step(action)
+        return made if self.left else replace(made, truncated=True)
 
 
 class Echo:
@@ -52,7 +79,7 @@ def main() -> None:
     task = TASKS[sys.argv[1]]
     environment = task.make()
     expert = task.make_expert(environment)
-    spec = environment.spec
+    spec, short = environment.spec, Short(environment)
     with single_threaded():
         print("ready", flush=True)
         for seed in count():
@@ -62,7 +89,7 @@ def main() -> None:
             gate = SupportGate(Certain(), 0.5, query=False)
             begin = time.process_time()
             rng = np.random.default_rng(seed)
-            episode = rollout(environment, info, gate, rng=rng, policy=Echo(expert), expert=expert)
+            episode = rollout(short, info, gate, rng=rng, policy=Echo(expert), expert=expert)
             print((time.process_time() - begin) / len(episode), len(episode), flush=True)
 
 
