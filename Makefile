@@ -36,6 +36,7 @@ soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, lo
 	$(PYTEST) -m 'soak or hypothesis' --hypothesis-profile soak --timeout 900
 	$(BIN)/python -m tools.soak --minutes 3
 	$(BIN)/python -m tools.kill_recorder --kills 30 --writers 2 --polls 1000
+	$(BIN)/python -m tools.kill_runs --kills 25 --results build
 
 lint: $(DEV_STAMP) ## ruff: rules and format
 	$(BIN)/ruff check .

@@ -154,7 +154,7 @@ def bomb(store: Path, rng: Rng) -> None:
 def true_bomb(store: Path, rng: Rng) -> None:
     """A film of nothing but black of the size that its header tells: 400 MB out of 50 kB."""
     one = episode(store, rng)
-    size = int(rng.integers(300, 1400)), 1400
+    size = one_of(rng, [(300, 1400), (400, 1400), (500, 1400), (1400, 1400)])
     length = len(values_of(one / "reward"))
     spec = ArraySpec("images/front", (length, *size, 3), "uint8")
     final = ArraySpec("final/images/front", (*size, 3), "uint8")
