@@ -106,10 +106,10 @@ def _published(staged: EpisodeStore, store: EpisodeStore) -> int:
         for name in staged.names():
             publish(staged.path / name, store.path / name)
             done.append(name)
-    except OSError as error:
+    except BaseException:
         for name in done:
             store.drop(name)
-        raise StoreError(f"cannot write into {store.path} ({error})") from error
+        raise
     return len(done)
 
 
