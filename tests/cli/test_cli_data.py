@@ -160,7 +160,7 @@ class TestExchange:
         file = ("data", "import", "pusht.zarr", "store", "--format", "replay-buffer")
         assert "give --task and --control-rate-hz" in complaint(*file)
         told = ("--task", "push", "--control-rate-hz", 10)
-        for rate in (0, -1, "nan", "inf"):
+        for rate in (0, -1, "nan", "inf", "1e308", "5e-324"):
             assert "wanted 0.001 .. 1e+06" in complaint(*file, *told[:3], rate)
         assert "is not OURS=THEIRS" in complaint(*file, *told, "--keys", "img")
         assert "the file has no key 'pos'" in complaint(*file, *told, "--keys", "features=pos")

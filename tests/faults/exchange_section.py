@@ -24,7 +24,8 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SheathError
 from sheath_manip.types import EpisodeInfo, Outcome, Purpose
 from tests.faults.counting import Count, Verdict, counted
-from tests.faults.exchange_ways import ANY, FOLDER, HDF5, SECRET, Spoil, zip_members
+from tests.faults.exchange_ways import ANY, FOLDER, SECRET, Spoil, zip_members
+from tests.faults.hdf5_ways import HDF5
 from tools.identical import identical
 from tools.synthetic import synthetic_episode, synthetic_info
 

@@ -22,7 +22,9 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SheathError, StoreError
 
 GRACE_S = 10.0
-"""for the start of the process, and for what it says itself when its time is up"""
+"""for the start of the process"""
+TIMES_AS_LONG = 5
+"""as reading the file may take: what is read is also written"""
 
 # What it imports is what this process imports, in a checkout as from a wheel.
 _CODE = """
@@ -41,14 +43,14 @@ def import_apart(format: str, path: Path, store: Path, origin: Origin | None) ->
     Raises what that raises, and StoreError where the process is ended by the file, or does not end
     in the time that the file's size allows.
     """
-    most_s = Limits(path, stored_bytes(path)).most_s + GRACE_S
+    most_s = TIMES_AS_LONG * Limits(path, stored_bytes(path)).most_s + GRACE_S
     with _process(store) as process:
         request = pickle.dumps((format, path, store, origin))
         try:
             answer, _ = process.communicate(request, timeout=most_s)
         except subprocess.TimeoutExpired as error:
             raise StoreError(
-                f"nothing is imported: reading {path} takes longer than {most_s:.0f} s, which is "
+                f"nothing is imported: importing {path} takes longer than {most_s:.0f} s, which is "
                 "the most for a file of its size; split it"
             ) from error
     if not answer:

@@ -106,10 +106,10 @@ def _published(staged: EpisodeStore, store: EpisodeStore) -> int:
         for name in staged.names():
             publish(staged.path / name, store.path / name)
             done.append(name)
-    except OSError as error:
+    except BaseException:
         for name in done:
             store.drop(name)
-        raise StoreError(f"cannot write into {store.path} ({error})") from error
+        raise
     return len(done)
 
 
@@ -144,13 +144,17 @@ def _require_same(store: EpisodeStore, recorded: Recorded) -> None:
     name = episode_name(recorded.header.info)
     held = store.recorded(name)
     # By bytes: NaN is no other than NaN here.
-    specs = layout(held.header)
+    paths = [spec.path for spec in layout(held.header)]
     if (
         held.header.outcome is not recorded.header.outcome
-        or specs != layout(recorded.header)
-        or any(held.arrays[s.path].tobytes() != recorded.arrays[s.path].tobytes() for s in specs)
+        or _shapes(held) != _shapes(recorded)
+        or any(held.arrays[path].tobytes() != recorded.arrays[path].tobytes() for path in paths)
     ):
         raise StoreError(
             f"{store.path} holds another episode {name}, and it is kept; import under another "
             "--method or into a new store"
         )
+
+
+def _shapes(recorded: Recorded) -> list[tuple[str, tuple[int, ...], str]]:
+    return [(spec.path, spec.shape, spec.dtype) for spec in layout(recorded.header)]

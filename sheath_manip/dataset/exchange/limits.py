@@ -2,6 +2,8 @@
 
 import os
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 
@@ -32,14 +34,29 @@ def stored_bytes(path: Path) -> int:
 
 
 class Limits:
-    """The limits of one file, or folder; the time runs from the first question on."""
+    """The limits of one file, or folder; the time runs while it is read."""
 
     def __init__(self, path: Path, stored_bytes: int) -> None:
         """Begin for what lies at `path` and has so many bytes."""
         self.path = path
         self.most_bytes = SLACK_BYTES + MOST_TIMES_LARGER * stored_bytes
         self.most_s = LEAST_S + stored_bytes / LEAST_BYTES_PER_S
-        self._until_s: float | None = None
+        self._spent_s = 0.0
+        self._since_s: float | None = None
+
+    def begin(self) -> None:
+        """Let the time run anew: the file is read once more."""
+        self._spent_s = 0.0
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Let the time run; what is done with what was read has all the time it takes."""
+        self._since_s = time.monotonic()
+        try:
+            yield
+        finally:
+            self._spent_s += time.monotonic() - self._since_s
+            self._since_s = None
 
     def require_memory(self, what: str, asked_bytes: int) -> None:
         """Raise StoreError where `what` would take more memory than it may."""
@@ -53,9 +70,7 @@ class Limits:
     def require_time(self) -> None:
         """Raise StoreError where reading has taken longer than it may."""
         now_s = time.monotonic()
-        if self._until_s is None:
-            self._until_s = now_s + self.most_s
-        if now_s > self._until_s:
+        if self._spent_s + now_s - (self._since_s or now_s) > self.most_s:
             raise StoreError(
                 f"reading {self.path} takes longer than {self.most_s:.0f} s, which is the most for "
                 "a file of its size; split it"

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
-from sheath_manip.dataset.exchange.limits import Limits
+from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
 from sheath_manip.dataset.exchange.plain_tree import FolderTree, PlainTree, ZipTree
 from sheath_manip.dataset.exchange.sealing import digest_of, require_digest
 from sheath_manip.dataset.exchange.selection import ActionChoice
@@ -150,12 +150,9 @@ class ReplayBufferFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        if not path.exists():
-            raise StoreError(f"wanted a ReplayBuffer at {path}, found nothing")
-        with one_line(path, "a ReplayBuffer"):
+        self._limits = Limits(path, stored_bytes(path))
+        with one_line(path, "a ReplayBuffer"), self._limits.reading():
             self._tree: PlainTree = ZipTree(path) if path.is_file() else FolderTree(path)
-            stored = path.stat().st_size if path.is_file() else sum(self._tree.sizes.values())
-            self._limits = Limits(path, stored)
             if read_json(self._tree, ".zgroup", self._limits).get("zarr_format") != 2:
                 raise StoreError(f"{path} is no group of zarr's format 2")
             self._arrays = {
@@ -191,6 +188,7 @@ class ReplayBufferFile:
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
+        self._limits.begin()
         ours = self._attributes().get(ATTRIBUTE)
         self._require_memory()
         return None if ours is None else self._ours(ours)
@@ -259,7 +257,7 @@ class ReplayBufferFile:
                 )
 
     def _read(self, group: str, key: str, start: int, stop: int) -> NDArray:
-        with one_line(self.path, f"an array {group}/{key}"):
+        with one_line(self.path, f"an array {group}/{key}"), self._limits.reading():
             return self._array(group, key).rows(start, stop)
 
     def _array(self, group: str, key: str) -> Zarr2Array:

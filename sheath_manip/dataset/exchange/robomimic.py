@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
-from sheath_manip.dataset.exchange.limits import Limits
+from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
 from sheath_manip.dataset.exchange.sealing import digest_of, require_digest
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
@@ -134,8 +134,8 @@ class RobomimicFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._limits = Limits(path, stored_bytes(path))
         with self._opened() as file:
-            self._limits = Limits(path, path.stat().st_size)
             data = member(file, "data")
             self._demos = sorted(data, key=_number)
             self._said_hz = _said_hz(data)
@@ -152,6 +152,7 @@ class RobomimicFile:
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
+        self._limits.begin()
         return self._ours() if self._all_have(ATTRIBUTE) else None
 
     def tracks(self) -> Iterator[Track]:
@@ -225,7 +226,11 @@ class RobomimicFile:
     @contextmanager
     def _opened(self, demo: str = "") -> Iterator[h5py.File]:
         wanted = f"{demo} of {WANTED}" if demo else WANTED
-        with one_line(self.path, wanted), open_file(self.path) as file:
+        with (
+            one_line(self.path, wanted),
+            self._limits.reading(),
+            open_file(self.path) as file,
+        ):
             yield file
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import zarr
 
-from sheath_manip.dataset.exchange import apart
+from sheath_manip.dataset.exchange import apart, limits
 from sheath_manip.dataset.exchange.apart import import_apart
+from sheath_manip.dataset.exchange.formats import open_file
 from sheath_manip.dataset.exchange.importing import Imported, Origin
 from sheath_manip.dataset.exchange.key_map import KeyMap
 from sheath_manip.dataset.store import EpisodeStore
@@ -56,8 +57,14 @@ def test_what_ends_or_holds_up_the_process_is_told(
     buffer, store: EpisodeStore, monkeypatch, code, message
 ) -> None:
     monkeypatch.setattr(apart, "_CODE", STAGES.format(store=store.path) + code)
-    monkeypatch.setattr(apart, "GRACE_S", 3.0 - 60.0)
+    monkeypatch.setattr(apart, "GRACE_S", 3.0 - 300.0)
     with pytest.raises(StoreError, match=message) as caught:
         import_apart("replay-buffer", buffer, store.path, ORIGIN)
     assert "nothing is imported" in str(caught.value)
     assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
+
+
+def test_reading_ends_when_its_time_is_up(buffer, monkeypatch) -> None:
+    monkeypatch.setattr(limits, "LEAST_S", -1.0)
+    with pytest.raises(StoreError, match=r"reading .*b\.zarr takes longer than"):
+        open_file("replay-buffer", buffer)

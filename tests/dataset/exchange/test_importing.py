@@ -11,6 +11,8 @@ import pytest
 import zarr
 
 from sheath_manip.dataset.check import check
+from sheath_manip.dataset.durable import publish
+from sheath_manip.dataset.exchange import importing
 from sheath_manip.dataset.exchange.formats import open_file
 from sheath_manip.dataset.exchange.importing import Origin, import_episodes
 from sheath_manip.dataset.exchange.key_map import KeyMap
@@ -229,3 +231,25 @@ def test_broken_files_are_one_line(tmp_path, buffer, hdf5, store) -> None:
         assert "\n" not in str(caught.value), what
         assert str(path) in str(caught.value), what
     assert store.names() == []
+
+
+@pytest.mark.parametrize("cause", [OSError("no space left"), KeyboardInterrupt()])
+def test_what_fails_on_the_way_into_the_store_leaves_none(buffer, store, monkeypatch, cause):
+    def second_fails(directory: Path, final: Path) -> None:
+        if store.names():
+            raise cause
+        publish(directory, final)
+
+    monkeypatch.setattr(importing, "publish", second_fails)
+    with pytest.raises((StoreError, KeyboardInterrupt)):
+        import_episodes(open_file("replay-buffer", buffer), store, origin("features=state"))
+    assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
+
+
+def test_a_fault_in_one_episode_leaves_none_and_names_it(hdf5, store) -> None:
+    with h5py.File(hdf5, "r+") as file:
+        del file["data/demo_10/obs/pos"]
+        file["data/demo_10/obs/pos"] = h5py.SoftLink("/data/demo_2/obs/pos")
+    with pytest.raises(StoreError, match=r"nothing is imported: episode 1 .*demo_10.*SoftLink"):
+        import_episodes(open_file("robomimic", hdf5), store, origin("features=obs/pos"))
+    assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
