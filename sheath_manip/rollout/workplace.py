@@ -1,16 +1,15 @@
 """Where episodes are run: one environment, kept as long as the next episode wants the same."""
 
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Self
 
 from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest, run_request
 from sheath_manip.task import Task
 from sheath_manip.types import Episode
 
 
-class Workplace:
+class Workplace(Closes):
     """Makes environment and crew of a request, or has them still; to be closed.
 
     Making an environment costs .1 to .75 s, and reading a checkpoint as much.
@@ -51,14 +50,3 @@ class Workplace:
         self._crew = self._driver = None
         if environment is not None:
             environment.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
