@@ -191,21 +191,6 @@ def _moon() -> Corridor:
     return corridor
 
 
-def test_variant_of_episodes_that_say_their_own(complaint, sheath, made, tmp_path):
-    replay = ("replay", made / "store", "--variant", "final")
-    line = complaint(*replay, "--port", 0)
-    assert "--variant final is for old episodes that do not say theirs; all 8 of" in line
-    # One of before there was a variant.
-    store = EpisodeStore.create(tmp_path / "store")
-    first, *others = EpisodeStore(made / "store").episodes()
-    for episode in (replace(first, info=replace(first.info, variant="")), *others[:2]):
-        store.append(episode)
-    old = ("replay", store.path, "--variant", "default", "--export", tmp_path / "x.html")
-    code, out, _ = sheath(*old)
-    assert code == 0
-    assert "2 of 3 episodes say their own variant, and are shown in it" in out
-
-
 @pytest.mark.parametrize("verb", ["run", "evaluate", "dashboard"])
 def test_wrong_checkpoint(complaint, made, tmp_path, verb):
     argv = (verb, "corridor", "--episodes", 1, "--checkpoint")
