@@ -1,4 +1,4 @@
-"""Hypothesis' profile that `make soak` asks for, and a watch on listeners that a run leaves out.
+"""Asserts that say what they compared, hypothesis' profile for `make soak`, lost listeners.
 
 `tests.cases` reads which profile is in force.
 """
@@ -9,8 +9,11 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
-from sheath_manip.rollout import audience
-from tests.cases import SOAK
+# Before any of them is imported: pytest by itself rewrites only those that it collects.
+pytest.register_assert_rewrite("tests")
+
+from sheath_manip.rollout import audience  # noqa: E402
+from tests.cases import SOAK  # noqa: E402
 
 settings.register_profile(SOAK, deadline=None)
 

@@ -105,7 +105,8 @@ def test_torch_is_there_before_any_task_can_open_a_gl_context(tmp_path: Path) ->
     path = os.pathsep.join((str(ROOT), str(tmp_path)))
     opened = "from sheath_manip.tasks.table import TASKS\nTASKS['driving']\n"
     seen = _printed(WHAT_IS_THERE + opened, PYTHONPATH=path)
-    assert sorted(seen) == ["dm_control ['torch', 'triton']", "mujoco ['torch', 'triton']"]
+    # Each may be looked for several times.
+    assert set(seen) == {"dm_control ['torch', 'triton']", "mujoco ['torch', 'triton']"}
 
 
 def test_the_core_wants_no_simulator() -> None:

@@ -12,14 +12,14 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from http.cookies import SimpleCookie
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 from urllib.parse import urlsplit
 
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from sheath_manip.dashboard.operator_socket import PATH
+from sheath_manip.protocols.closing import Closes
 
 BEAT_S = 0.1
 TIMEOUT_S = 60.0
@@ -64,7 +64,7 @@ def open_socket(address: str, path: str = PATH, **options: Any) -> ClientConnect
     )
 
 
-class Station:
+class Station(Closes):
     """Holds keys and a gamepad, beats, and knows what the server shows it."""
 
     def __init__(self, address: str, beat_s: float = BEAT_S) -> None:
@@ -123,17 +123,6 @@ class Station:
         self._socket.close()
         for thread in self._threads:
             thread.join(TIMEOUT_S)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _listen(self) -> None:
         try:

@@ -1,6 +1,6 @@
 """`sheath replay`: recorded episodes in the browser, or one of them as a file."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -56,6 +56,7 @@ class Replay:
         store = open_store(self.store)
         place = store.names().index(chosen(store, self.episode))
         catalog = EpisodeCatalog(store)
+        self._require_use_of_variant([each.info.variant for each in catalog.summaries], session)
         task = session.task(catalog.summaries[place].info.task)
         with self._maker(task, catalog) as maker:
             if self.export is not None:
@@ -63,6 +64,20 @@ class Replay:
             else:
                 self._show(maker, catalog, place, session)
         return 0
+
+    def _require_use_of_variant(self, recorded: Sequence[str], session: Session) -> None:
+        """ParameterError where no episode would be shown in it; a line where only some would."""
+        if self.variant is None:
+            return
+        own = sum(map(bool, recorded))
+        if own == len(recorded):
+            raise ParameterError(
+                f"--variant {self.variant} is for old episodes that do not say theirs; all {own} "
+                f"of {self.store} do, and are shown in it: leave it out"
+            )
+        if own:
+            line = f"{own} of {len(recorded)} episodes say their own variant, and are shown in it"
+            session.out.print(Text(line))
 
     @contextmanager
     def _maker(self, task: Task, catalog: "EpisodeCatalog") -> Iterator["FilmMaker"]:

@@ -1,13 +1,13 @@
 """Reads a SpaceMouse that is plugged in here (pyspacemouse), beside the page."""
 
 import threading
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.exceptions import SetupError
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.types.operator_input import SixAxes
 
 DEAD_ZONE = 0.08
@@ -15,7 +15,7 @@ DEAD_ZONE = 0.08
 _PERIOD_S = 0.01
 
 
-class SpaceMouse:
+class SpaceMouse(Closes):
     """Hands its readings to a cockpit from a thread of its own, until it is closed."""
 
     def __init__(self, cockpit: Cockpit) -> None:
@@ -46,17 +46,6 @@ class SpaceMouse:
         self._closing.set()
         self._thread.join(1.0)
         self._device.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _run(self) -> None:
         while not self._closing.wait(_PERIOD_S):

@@ -3,8 +3,6 @@
 import contextlib
 import sys
 import threading
-from types import TracebackType
-from typing import Self
 
 import viser
 
@@ -21,6 +19,7 @@ from sheath_manip.dashboard.widget import WidgetContext, WidgetFactory
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.playback.film import Film
 from sheath_manip.protocols import Environment
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 from sheath_manip.types.samples import Samples
 
@@ -29,7 +28,7 @@ SWITCH_INTERVAL_S = 0.0005
 """after which the control loop gets the interpreter back from a thread that draws"""
 
 
-class Dashboard:
+class Dashboard(Closes):
     """Shows a run in the browser and lets a person pause it; a `Listener` for `rollout`.
 
     The control loop is held up only while the person has paused it. Nothing is drawn while nobody
@@ -140,17 +139,6 @@ class Dashboard:
         self.cockpit.close()
         self._drawer.close()
         self._server.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _allows(self, client_id: int | None) -> bool:
         """Whether that browser may change what the run does: while somebody drives only that one.

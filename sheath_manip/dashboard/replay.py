@@ -1,8 +1,6 @@
 """The replay page: the episodes of a store, in the same scene, score and timeline as live."""
 
 from collections.abc import Callable
-from types import TracebackType
-from typing import Self
 
 import viser
 
@@ -18,12 +16,13 @@ from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dashboard.widgets.export import Exporting
 from sheath_manip.playback.film import Film
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import TaskSpec
 
 DRAW_RATE_HZ = 20.0
 
 
-class Replay:
+class Replay(Closes):
     """Serves the page; `run` plays on the thread that it is called on."""
 
     def __init__(
@@ -78,17 +77,6 @@ class Replay:
         self.player.close()
         self._drawer.close()
         self._server.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()

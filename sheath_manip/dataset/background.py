@@ -1,8 +1,6 @@
 """A recorder that writes an episode while the next one already runs."""
 
 from concurrent.futures import Future, ThreadPoolExecutor
-from types import TracebackType
-from typing import Self
 
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.recorder import Recorder
@@ -10,10 +8,11 @@ from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.writer_process import WriterLostError, WriterProcess
 from sheath_manip.exceptions import StoreError
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import Episode
 
 
-class BackgroundRecorder(Recorder):
+class BackgroundRecorder(Closes, Recorder):
     """A `Recorder` that writes in the background; a context, at whose end all is on the disk.
 
     A process of its own compresses and writes it, and a thread waits for that. One episode is
@@ -35,18 +34,6 @@ class BackgroundRecorder(Recorder):
         # Not in the thread: it would take turns with the simulation at every row.
         recorded = recorded_of(episode, self.space)
         self._written = self._thread.submit(self._keep, recorded)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Close."""
-        self.close()
 
     def close(self) -> None:
         """`flush`, and end the process."""

@@ -15,7 +15,7 @@ from sheath_manip.learning.asking import Beside, RunEpisodes
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.checkpoints import Checkpoints
 from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
-from sheath_manip.learning.demonstrations import learned_from
+from sheath_manip.learning.demonstrations import is_learned_from, learned_from
 from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 from sheath_manip.learning.evaluation import Evaluation
 from sheath_manip.learning.judged import Judged, Measuring
@@ -205,8 +205,10 @@ class LearningRun:
 
     def _first_judged(self, start: SharedStart) -> Judged:
         stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
+        # All that the expert brought to an end, also what is not learned from.
+        shown = (each for each in stored if is_learned_from(each.info.purpose, each.outcome, True))
         first, states = start.checkpoint, len(start.demonstrations)
-        return self._judged(start, first, first, stored, states)
+        return self._judged(start, first, first, shown, states)
 
     def _judged(
         self,

@@ -2,13 +2,13 @@
 
 import queue
 from collections.abc import Iterable, Iterator, Sequence
-from types import TracebackType
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.rollout.crowd import Crowd, Ticket
 from sheath_manip.rollout.executor import unheard
 from sheath_manip.rollout.request import EpisodeRequest
@@ -16,7 +16,7 @@ from sheath_manip.rollout.worker import Answer, Errand
 from sheath_manip.types import Episode
 
 
-class ProcessExecutor:
+class ProcessExecutor(Closes):
     """Hands requests to worker processes; one that is lost costs its episode, which is run again.
 
     Which worker runs what, and when, changes nothing in an episode: its seeds are in its request.
@@ -60,17 +60,6 @@ class ProcessExecutor:
     def close(self) -> None:
         """End the workers."""
         self._crowd.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _answered(

@@ -1,21 +1,21 @@
 """Episodes run here, one after the other: for a page to follow, and for a person to drive."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from types import TracebackType
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.compatibility import RecordedSpec
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.rollout.executor import unheard
 from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.workplace import Workplace
 from sheath_manip.types import Episode
 
 
-class SerialExecutor:
+class SerialExecutor(Closes):
     """Runs episodes in this process."""
 
     overlaps: ClassVar[bool] = False
@@ -49,17 +49,6 @@ class SerialExecutor:
                 recorder.close()
         finally:
             self.workplace.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _episode(
         self,

@@ -2,10 +2,9 @@
 
 import logging
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Self
 
 from sheath_manip.protocols import Environment, Listener, Report
+from sheath_manip.protocols.closing import Closes
 from sheath_manip.rollout.guard import BrokenError, ask, built
 from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest, run_request
 from sheath_manip.rollout.stage import ENVIRONMENT
@@ -15,7 +14,7 @@ from sheath_manip.types import Episode
 logger = logging.getLogger(__name__)
 
 
-class Workplace:
+class Workplace(Closes):
     """Makes environment and crew of a request, or has them still; to be closed.
 
     Making an environment costs .1 to .75 s, and reading a checkpoint as much.
@@ -61,14 +60,3 @@ class Workplace:
         except BrokenError as error:
             # What was run is on the disk, and the program may go on.
             logger.warning("%s while it was closed", error)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -141,6 +141,23 @@ def test_train_names_variants_and_failures(sheath, made, tmp_path) -> None:
     assert "episodes of several variants: 8 of 'default', 1 of 'final'" in out
 
 
+def test_replay_of_a_variant_wants_episodes_that_do_not_say_theirs(
+    complaint, sheath, made, tmp_path
+) -> None:
+    replay = ("replay", made / "store", "--variant", "final")
+    line = complaint(*replay, "--port", 0)
+    assert "--variant final is for old episodes that do not say theirs; all 8 of" in line
+    # One of before there was a variant.
+    store = EpisodeStore.create(tmp_path / "store")
+    first, *others = EpisodeStore(made / "store").episodes()
+    for episode in (replace(first, info=replace(first.info, variant="")), *others[:2]):
+        store.append(episode)
+    old = ("replay", store.path, "--variant", "default", "--export", tmp_path / "x.html")
+    code, out, _ = sheath(*old)
+    assert code == 0
+    assert "2 of 3 episodes say their own variant, and are shown in it" in out
+
+
 def test_two_sessions_by_hand_unite(sheath, tmp_path) -> None:
     info = replace(INFO, purpose=Purpose.DEMONSTRATION, method="person")
     for day, actors in (("monday", "eee"), ("friday", "ee")):

@@ -2,9 +2,6 @@ import pytest
 
 from tests import toy
 
-# What they assert is told as in a test.
-pytest.register_assert_rewrite("tests.cockpit.operated_corridor", "tests.cockpit.promised_cockpit")
-
 
 @pytest.fixture
 def wide_corridor(monkeypatch) -> None:

@@ -1,5 +1,6 @@
 """From a fitted policy to its gate."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,10 @@ from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.learning.fitting import fit_gate, recalibrated
-from sheath_manip.support.config import ThresholdConfig
+from sheath_manip.support.calibration import REJECT_ALL
+from sheath_manip.support.config import SupportConfig, ThresholdConfig
 from sheath_manip.types.samples import Samples
-from tests.blobs import blob_samples, fitted_policy, training
+from tests.blobs import CHOICES, blob_samples, fitted_policy, training
 
 CONFIG = GateConfig(
     signal="support", embedding="pixels", threshold=ThresholdConfig(false_alarm_rate=0.2)
@@ -92,3 +94,37 @@ def test_the_expert_hands_back_at_the_release_rate():
     release = fitted.threshold + fitted.release_margin
     assert np.mean(scores < release) == pytest.approx(0.5, abs=0.03)
     assert gate(CONFIG).release_margin == 0
+
+
+LOSS_AWARE = replace(CONFIG, support=SupportConfig("loss-aware-svm"))
+RIGHT_TURNS = training().labels[:, 0] == CHOICES[2]
+WITHOUT_RIGHT_TURNS = [blob_samples(50, seed=10 + i, choices=(0, 1)) for i in range(5)]
+
+
+def loss_aware(calibration: Sequence[Samples], errs: np.ndarray) -> FittedGate:
+    """The gate of a policy that errs, as fits that had not seen the states say."""
+    policy = fitted_policy("hog-svm")
+    fit = fit_gate(
+        policy,
+        training(),
+        calibration,
+        LOSS_AWARE,
+        sources=SOURCES,
+        agreement=lambda: np.logical_not(errs),
+    )
+    return fit.gate
+
+
+def test_a_loss_aware_gate_is_outside_where_the_policy_errs_and_keeps_the_rate_elsewhere():
+    fitted = loss_aware(WITHOUT_RIGHT_TURNS, RIGHT_TURNS)
+    assert np.mean([alarms(fitted, one) for one in WITHOUT_RIGHT_TURNS]) == pytest.approx(
+        0.2, abs=0.02
+    )
+    assert alarms(fitted, blob_samples(50, seed=30, choices=(2,))) > 0.9
+
+
+def test_where_the_policy_errs_too_often_a_loss_aware_gate_lets_it_act_nowhere():
+    """More held-out states have no score for any threshold than there may be false alarms."""
+    fitted = loss_aware(CALIBRATION, training().labels[:, 0] != CHOICES[0])
+    assert fitted.threshold == REJECT_ALL
+    assert all(alarms(fitted, one) == 1 for one in CALIBRATION)

@@ -17,7 +17,6 @@ from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import EpisodeInfo, Judgement, Proposal, Purpose
 
-
 STEPS = 120
 """of an episode, after which the next one is begun"""
 
