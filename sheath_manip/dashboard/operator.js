@@ -12,11 +12,32 @@ function (settings) {
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
   banner.setAttribute("role", "status");
-  banner.style.cssText =
-    "position:fixed;top:14px;left:calc(50vw - 190px);transform:translateX(-50%);z-index:10000;" +
-    "display:none;pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
-    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:38vw";
+  const stop = document.createElement("button");
+  stop.id = "sheath-stop";
+  stop.textContent = "STOP";
+  stop.setAttribute("aria-label", "Emergency stop");
+  stop.title = "Stops the robot, as Space does";
+  stop.onclick = () => order("emergency-stop");
+  const style = document.createElement("style");
+  // Left of viser's panel; where that lies at the bottom, on a phone, as wide as the screen.
+  style.textContent = `
+    #sheath-operator { position: fixed; top: 14px; left: calc(50vw - 190px); transform: translateX(-50%);
+      z-index: 10000; display: none; pointer-events: none; padding: .6em 1.4em; border-radius: 8px;
+      color: white; text-align: center; font: 600 18px/1.35 sans-serif; max-width: 38vw;
+      box-shadow: 0 2px 14px rgba(0, 0, 0, .35) }
+    #sheath-stop { position: fixed; left: 18px; bottom: 18px; z-index: 10001; display: none; width: 132px;
+      height: 76px; border: 3px solid white; border-radius: 12px; background: #be1e2d; color: white;
+      font: 800 30px/1 sans-serif; letter-spacing: .04em; cursor: pointer;
+      box-shadow: 0 2px 14px rgba(0, 0, 0, .45) }
+    #sheath-stop:focus-visible { outline: 4px solid #1c1f24; outline-offset: 2px }
+    @media (max-width: 800px) {
+      #sheath-operator { left: 50vw; max-width: 96vw; width: max-content; font-size: 15px; padding: .5em .9em }
+      #sheath-stop { top: 124px; bottom: auto; left: 10px; width: 104px; height: 60px; font-size: 24px }
+    }`;
+  document.head.appendChild(style);
   document.body.appendChild(banner);
+  // First of all that Tab reaches.
+  document.body.prepend(stop);
 
   const send = (message) => {
     if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
@@ -131,15 +152,15 @@ function (settings) {
     if (finished) return ["FINISHED. The run has ended; what you see is its last moment.", GREY];
     if (otherRun) return ["ANOTHER RUN is at this address now. Open the address that it printed.", RED];
     if (Date.now() - heardMs > silentMs)
-      return ["CONNECTION LOST. What you see is the past; trying again. Whoever drove here, the robot holds.", RED];
-    const wait = state.left_s == null ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
+      return ["CONNECTION LOST. What you see is the past, and nothing that you press is heard. Trying again.", RED];
+    const wait = state.left_s == null || state.paused ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
     const alone = state.asking && !state.mine && !state.others;
     const old = state.picture_s ? ` The picture is ${state.picture_s} s old.` : "";
-    const more = `${state.paused ? " Paused: P resumes." : ""}${old}`;
+    const paused = state.paused ? " Paused: P resumes." : "", more = paused + old;
     const device = padSays && state.mine ? ` ${padSays}` : "";
     if (state.stopped) return [`EMERGENCY STOP. R resets it.${old}`, RED];
     if (state.mine && state.too_old)
-      return [`THE PICTURE IS ${state.picture_s} s OLD, so the robot holds until it is young again.${more}`, AMBER];
+      return [`THE PICTURE IS ${state.picture_s} s OLD, so the robot holds until it is young again.${paused}`, AMBER];
     if (state.unready)
       return [`WAITING FOR YOU. H lets the policy begin, T begins with you at the wheel.${more}`, AMBER];
     if (state.abandoned)
@@ -161,8 +182,10 @@ function (settings) {
   let shown = "";
   function show() {
     const [text, colour] = words();
-    if (text + colour === shown) return;
-    shown = text + colour;
+    const now = `${state.operated} ${colour} ${text}`;
+    if (now === shown) return;
+    shown = now;
+    stop.style.display = state.operated ? "block" : "none";
     banner.style.display = text ? "block" : "none";
     banner.style.background = colour;
     banner.textContent = text;
@@ -202,7 +225,7 @@ function (settings) {
       closed = true;
       timers.forEach(clearInterval);
       for (const [target, name, act] of listening) target.removeEventListener(name, act, true);
-      banner.remove();
+      for (const each of [banner, stop, style]) each.remove();
       socket?.close();
     },
   };
