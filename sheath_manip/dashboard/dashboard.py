@@ -53,6 +53,8 @@ class Dashboard:
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
         self.cockpit = cockpit or Cockpit()
+        self.saved_in = ""
+        """where the run is recorded, for the page to say at its end"""
         label = f"sheath · {spec.name}"
         self._server = GuardedServer.open(
             host, port, token, label, self.cockpit, lambda: self._drawer.true_s
@@ -139,7 +141,7 @@ class Dashboard:
         self._closed.set()
         self.cockpit.close()
         self._drawer.close()
-        self._server.close()
+        self._server.close(self.saved_in)
 
     def __enter__(self) -> Self:
         return self

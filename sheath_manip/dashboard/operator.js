@@ -7,7 +7,7 @@ function (settings) {
   const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000, silentMs = 2000, frozenMs = 3000;
   const codes = new Set(settings.codes), held = new Map(), caught = new Set();
   let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null;
-  let sawMark = 0, heardMs = Date.now(), otherRun = false, finished = false, padSays = "";
+  let sawMark = 0, heardMs = Date.now(), otherRun = false, finished = false, savedIn = "", padSays = "";
 
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
@@ -55,6 +55,7 @@ function (settings) {
     socket.onmessage = (event) => {
       state = JSON.parse(event.data);
       finished ||= Boolean(state.finished);
+      savedIn ||= state.saved_in ?? "";
       heardMs = Date.now();
       show();
     };
@@ -111,12 +112,15 @@ function (settings) {
   const typing = (target) =>
     target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
 
-  // By the letter that is printed on the key, as the labels say it, wherever the layout has it; where
-  // it is none of these letters (Cyrillic, a dead key), by its place on an American keyboard.
+  // By the letter that is printed on the key, as the labels say it, wherever the layout has it. Where
+  // the layout has other letters (Cyrillic), by the place on an American keyboard; a sign is no letter,
+  // but the digits are printed in the same places everywhere, though some layouts want Shift for them.
   const names = { " ": "Space", ".": "Period", ",": "Comma" };
   function meaning(event) {
     if (/^[a-z]$/i.test(event.key)) return `Key${event.key.toUpperCase()}`;
-    return names[event.key] ?? event.code;
+    if (event.code.startsWith("Digit")) return event.code;
+    const byPlace = event.key.length > 1 ? event.key !== "Dead" : /^(?!\p{Script=Latin})\p{L}$/u.test(event.key);
+    return names[event.key] ?? (byPlace ? event.code : "");
   }
 
   function down(event) {
@@ -149,7 +153,8 @@ function (settings) {
 
   const RED = "#be1e2d", AMBER = "#b34f00", GREEN = "#007a5a", GREY = "#5c626a";
   function words() {
-    if (finished) return ["FINISHED. The run has ended; what you see is its last moment.", GREY];
+    if (finished)
+      return [`FINISHED. The run has ended${savedIn && `, recorded in ${savedIn}`}; you see its last moment.`, GREY];
     if (otherRun) return ["ANOTHER RUN is at this address now. Open the address that it printed.", RED];
     if (Date.now() - heardMs > silentMs)
       return ["CONNECTION LOST. What you see is the past, and nothing that you press is heard. Trying again.", RED];
