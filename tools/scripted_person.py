@@ -51,6 +51,8 @@ class ScriptedPerson:
         """Get ready."""
         del environment, info
         self.expert.reset()
+        if self.cockpit.state.taken:
+            self._get_hold()
 
     def on_step(self, environment: Environment, step: Step) -> None:
         """Act on what there is to be seen now."""
@@ -59,11 +61,16 @@ class ScriptedPerson:
             self.took_over += 1
             self.station.order("take-over")
             self._until(lambda: self.cockpit.lease.holder is not None)
+            self._get_hold()
         # The expert looks at the physics; an observation of the step before is only its form.
         self._hold(self.hands(self.expert.act(step.observation)))
 
     def on_end(self, episode: Episode) -> None:
         """Nothing more to do."""
+
+    def _get_hold(self) -> None:
+        """Begin a turn by any key; it is let go of before the loop looks."""
+        self._hold(Held(keys=frozenset(self.cockpit.guide[0].codes[:1])))
 
     def _hold(self, held: Held) -> None:
         self.station.hold(held.keys, held.axes, held.buttons)

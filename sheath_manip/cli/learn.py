@@ -88,6 +88,7 @@ class Learn(Planned):
                 raise UnknownNameError("expert to learn from", name, (SCRIPTED, PERSON))
         if PERSON in (self.expert, self.demonstrator):
             with self.operating.crew(task, self.address, session) as crew:
+                crew.page.saved_in = str(self.runs)
                 return self._run(crew.operated(), session, crew.listeners, crew.driver)
         self.operating.require_default()
         with self._page(task, session) as listeners:

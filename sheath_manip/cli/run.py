@@ -83,6 +83,7 @@ class Run:
         with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
+            crew.page.saved_in = "" if self.store is None else str(self.store)
             driver = crew.driver(adjusting.driver)
             page, *others = crew.listeners
             listeners = (page, UntilReady(crew.cockpit), *others)

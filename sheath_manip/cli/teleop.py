@@ -55,7 +55,7 @@ class Teleop:
         from sheath_manip.rollout.serial import SerialExecutor
 
         with operating.crew(task, self.address, session) as crew:
-            operated = crew.operated()
+            operated, crew.page.saved_in = crew.operated(), str(self.store)
             start = UntilTaken(crew.cockpit)
             store, driver = EpisodeStore.create(self.store), crew.driver(ExpertAlone())
             requests = [

@@ -139,5 +139,5 @@ def _is_ip_address(name: str) -> bool:
         address = ipaddress.ip_address(name)
     except ValueError:
         return False
-    # A zone names an interface of whoever asks: no browser says it, and it is free text.
+    # A zone names an interface of the one that asks: no browser says it, and it is free text.
     return getattr(address, "scope_id", None) is None

@@ -52,6 +52,8 @@ class Dashboard(Closes):
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
         self.cockpit = cockpit or Cockpit()
+        self.saved_in = ""
+        """where the run is recorded, for the page to say at its end"""
         label = f"sheath · {spec.name}"
         self._server = GuardedServer.open(
             host, port, token, label, self.cockpit, lambda: self._drawer.true_s
@@ -138,7 +140,7 @@ class Dashboard(Closes):
         self._closed.set()
         self.cockpit.close()
         self._drawer.close()
-        self._server.close()
+        self._server.close(self.saved_in)
 
     def _allows(self, client_id: int | None) -> bool:
         """Whether that browser may change what the run does: while somebody drives only that one.

@@ -7,16 +7,37 @@ function (settings) {
   const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000, silentMs = 2000, frozenMs = 3000;
   const codes = new Set(settings.codes), held = new Map(), caught = new Set();
   let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null;
-  let sawMark = 0, heardMs = Date.now(), otherRun = false, finished = false, padSays = "";
+  let sawMark = 0, heardMs = Date.now(), otherRun = false, finished = false, savedIn = "", padSays = "";
 
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
   banner.setAttribute("role", "status");
-  banner.style.cssText =
-    "position:fixed;top:14px;left:calc(50vw - 190px);transform:translateX(-50%);z-index:10000;" +
-    "display:none;pointer-events:none;padding:.6em 1.4em;border-radius:8px;color:white;text-align:center;" +
-    "font:600 18px/1.35 sans-serif;box-shadow:0 2px 14px rgba(0,0,0,.35);max-width:38vw";
+  const stop = document.createElement("button");
+  stop.id = "sheath-stop";
+  stop.textContent = "STOP";
+  stop.setAttribute("aria-label", "Emergency stop");
+  stop.title = "Stops the robot, as Space does";
+  stop.onclick = () => order("emergency-stop");
+  const style = document.createElement("style");
+  // Left of viser's panel; where that lies at the bottom, on a phone, as wide as the screen.
+  style.textContent = `
+    #sheath-operator { position: fixed; top: 14px; left: calc(50vw - 190px); transform: translateX(-50%);
+      z-index: 10000; display: none; pointer-events: none; padding: .6em 1.4em; border-radius: 8px;
+      color: white; text-align: center; font: 600 18px/1.35 sans-serif; max-width: 38vw;
+      box-shadow: 0 2px 14px rgba(0, 0, 0, .35) }
+    #sheath-stop { position: fixed; left: 18px; bottom: 18px; z-index: 10001; display: none; width: 132px;
+      height: 76px; border: 3px solid white; border-radius: 12px; background: #be1e2d; color: white;
+      font: 800 30px/1 sans-serif; letter-spacing: .04em; cursor: pointer;
+      box-shadow: 0 2px 14px rgba(0, 0, 0, .45) }
+    #sheath-stop:focus-visible { outline: 4px solid #1c1f24; outline-offset: 2px }
+    @media (max-width: 800px) {
+      #sheath-operator { left: 50vw; max-width: 96vw; width: max-content; font-size: 15px; padding: .5em .9em }
+      #sheath-stop { top: 124px; bottom: auto; left: 10px; width: 104px; height: 60px; font-size: 24px }
+    }`;
+  document.head.appendChild(style);
   document.body.appendChild(banner);
+  // First of all that Tab reaches.
+  document.body.prepend(stop);
 
   const send = (message) => {
     if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
@@ -34,6 +55,7 @@ function (settings) {
     socket.onmessage = (event) => {
       state = JSON.parse(event.data);
       finished ||= Boolean(state.finished);
+      savedIn ||= state.saved_in ?? "";
       heardMs = Date.now();
       show();
     };
@@ -90,12 +112,15 @@ function (settings) {
   const typing = (target) =>
     target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
 
-  // By the letter that is printed on the key, as the labels say it, wherever the layout has it; where
-  // it is none of these letters (Cyrillic, a dead key), by its place on an American keyboard.
+  // By the letter that is printed on the key, as the labels say it, wherever the layout has it. Where
+  // the layout has other letters (Cyrillic), by the place on an American keyboard; a sign is no letter,
+  // but the digits are printed in the same places everywhere, though some layouts want Shift for them.
   const names = { " ": "Space", ".": "Period", ",": "Comma" };
   function meaning(event) {
     if (/^[a-z]$/i.test(event.key)) return `Key${event.key.toUpperCase()}`;
-    return names[event.key] ?? event.code;
+    if (event.code.startsWith("Digit")) return event.code;
+    const byPlace = event.key.length > 1 ? event.key !== "Dead" : /^(?!\p{Script=Latin})\p{L}$/u.test(event.key);
+    return names[event.key] ?? (byPlace ? event.code : "");
   }
 
   function down(event) {
@@ -128,18 +153,19 @@ function (settings) {
 
   const RED = "#be1e2d", AMBER = "#b34f00", GREEN = "#007a5a", GREY = "#5c626a";
   function words() {
-    if (finished) return ["FINISHED. The run has ended; what you see is its last moment.", GREY];
+    if (finished)
+      return [`FINISHED. The run has ended${savedIn && `, recorded in ${savedIn}`}; you see its last moment.`, GREY];
     if (otherRun) return ["ANOTHER RUN is at this address now. Open the address that it printed.", RED];
     if (Date.now() - heardMs > silentMs)
-      return ["CONNECTION LOST. What you see is the past; trying again. Whoever drove here, the robot holds.", RED];
-    const wait = state.left_s == null ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
+      return ["CONNECTION LOST. What you see is the past, and nothing that you press is heard. Trying again.", RED];
+    const wait = state.left_s == null || state.paused ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
     const alone = state.asking && !state.mine && !state.others;
     const old = state.picture_s ? ` The picture is ${state.picture_s} s old.` : "";
-    const more = `${state.paused ? " Paused: P resumes." : ""}${old}`;
+    const paused = state.paused ? " Paused: P resumes." : "", more = paused + old;
     const device = padSays && state.mine ? ` ${padSays}` : "";
     if (state.stopped) return [`EMERGENCY STOP. R resets it.${old}`, RED];
     if (state.mine && state.too_old)
-      return [`THE PICTURE IS ${state.picture_s} s OLD, so the robot holds until it is young again.${more}`, AMBER];
+      return [`THE PICTURE IS ${state.picture_s} s OLD, so the robot holds until it is young again.${paused}`, AMBER];
     if (state.unready)
       return [`WAITING FOR YOU. H lets the policy begin, T begins with you at the wheel.${more}`, AMBER];
     if (state.abandoned)
@@ -161,8 +187,10 @@ function (settings) {
   let shown = "";
   function show() {
     const [text, colour] = words();
-    if (text + colour === shown) return;
-    shown = text + colour;
+    const now = `${state.operated} ${colour} ${text}`;
+    if (now === shown) return;
+    shown = now;
+    stop.style.display = state.operated ? "block" : "none";
     banner.style.display = text ? "block" : "none";
     banner.style.background = colour;
     banner.textContent = text;
@@ -202,7 +230,7 @@ function (settings) {
       closed = true;
       timers.forEach(clearInterval);
       for (const [target, name, act] of listening) target.removeEventListener(name, act, true);
-      banner.remove();
+      for (const each of [banner, stop, style]) each.remove();
       socket?.close();
     },
   };

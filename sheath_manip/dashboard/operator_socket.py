@@ -127,9 +127,9 @@ class OperatorSocket:
             # A page may live on without its socket, and its script connects again.
             self.cockpit.silence(station)
 
-    async def say_finished(self) -> None:
+    async def say_finished(self, saved_in: str) -> None:
         """Tell every page that the run has ended, so that none takes it for a lost connection."""
-        news = json.dumps({"finished": True})
+        news = json.dumps({"finished": True, "saved_in": saved_in})
         saying = [connection.send(news) for connection in self._open]
         await asyncio.gather(*saying, return_exceptions=True)
 

@@ -92,10 +92,12 @@ class GuardedServer:
         server.gui.main_panel.dock_right()
         return cls(server, access, operators, loop)
 
-    def close(self) -> None:
-        """Say that this is the end, stop listening and end every connection."""
+    def close(self, saved_in: str = "") -> None:
+        """Say that this is the end, and where it is `saved_in`; end every connection."""
         with contextlib.suppress(Exception):
-            saying = asyncio.run_coroutine_threadsafe(self.operators.say_finished(), self.loop)
+            saying = asyncio.run_coroutine_threadsafe(
+                self.operators.say_finished(saved_in), self.loop
+            )
             saying.result(FAREWELL_S)
         with _quiet():
             self.viser.stop()

@@ -109,7 +109,8 @@ def test_what_discards_is_the_printed_letter(cockpit, taken, layout, code, key):
     del layout
     cockpit.begin_episode()
     # Y of QWERTZ and W of AZERTY lie where Z is on an American keyboard.
-    for other in "yw":
+    # On Dvorak's there is a semicolon.
+    for other in ("y", "w", ";", "Dead", "ž"):
         press(taken, "keydown", code="KeyZ", key=other)
         press(taken, "keyup", code="KeyZ", key=other)
     taken.wait_for_timeout(200)
@@ -138,6 +139,62 @@ def test_what_drives_is_the_printed_letter_and_its_release_is_its_place(cockpit,
     # Shift came down meanwhile, or the layout was changed.
     press(taken, "keyup", code="KeyC", key="?")
     wait_until(lambda: not held(cockpit), "letting go", taken)
+
+
+def luminance(rgb: str) -> float:
+    """Relative, of a colour as a browser says it (WCAG 2.1)."""
+    shares = [int(each) / 255 for each in rgb.removeprefix("rgb(").removesuffix(")").split(",")]
+    linear = [s / 12.92 if s <= 0.04045 else ((s + 0.055) / 1.055) ** 2.4 for s in shares]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(page: Page, selector: str) -> float:
+    """Of an element's letters on its ground."""
+    colours = page.locator(selector).evaluate(
+        "(it) => [getComputedStyle(it).color, getComputedStyle(it).backgroundColor]"
+    )
+    low, high = sorted(map(luminance, colours))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("size", [(1400, 900), (1024, 768), (390, 844)])
+def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, taken, size):
+    taken.set_viewport_size({"width": size[0], "height": size[1]})
+    stop = taken.get_by_role("button", name="Emergency stop")
+    box, notice = stop.bounding_box(), taken.locator("#sheath-operator").bounding_box()
+    assert box is not None
+    assert notice is not None
+    assert box["width"] >= 100
+    assert box["height"] >= 60
+    for each in (box, notice):
+        assert each["x"] >= 0
+        assert each["y"] >= 0
+        assert each["x"] + each["width"] <= size[0]
+        assert each["y"] + each["height"] <= size[1]
+    assert not (
+        notice["y"] + notice["height"] > box["y"]
+        and notice["x"] < box["x"] + box["width"]
+        and notice["y"] < box["y"] + box["height"]
+    )
+    assert contrast(taken, "#sheath-stop") > 4.5
+    assert contrast(taken, "#sheath-operator") > 4.5
+    # Nothing of viser's lies over it.
+    taken.evaluate("document.activeElement?.blur()")
+    if size[0] == 1400:
+        taken.keyboard.press("Tab")
+        assert taken.evaluate("document.activeElement.id") == "sheath-stop"
+        taken.keyboard.press("Enter")
+    else:
+        stop.click()
+    wait_until(lambda: cockpit.state.stopped, "stop", taken)
+    wait_until(
+        lambda: taken.locator("#sheath-operator").inner_text().startswith("EMERGENCY STOP"),
+        "word of the stop",
+        taken,
+    )
+    assert contrast(taken, "#sheath-operator") > 4.5
+    taken.screenshot(path=f"/tmp/page_stop_{size[0]}.png")
+    taken.set_viewport_size({"width": 400, "height": 300})
 
 
 def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch):
@@ -169,8 +226,12 @@ def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch
 def test_the_page_says_that_the_run_has_ended(opened, served):
     opened.reload()
     opened.wait_for_function("window.sheathOperator?.state.operated")
+    # Whatever it is called.
+    served.saved_in = "runs/<b>today</b>"
     served.close()
-    opened.get_by_text("FINISHED. The run has ended").wait_for()
+    opened.get_by_text(
+        "FINISHED. The run has ended, recorded in runs/<b>today</b>; you see"
+    ).wait_for()
     opened.wait_for_timeout(2500)
     assert opened.locator("#sheath-operator").inner_text().startswith("FINISHED")
     assert opened.title() == "✓ sheath · corridor"

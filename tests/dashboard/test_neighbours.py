@@ -72,7 +72,7 @@ def contexts() -> Iterator[list[BrowserContext]]:
     with chromium_page() as page:
         browser = page.context.browser
         assert browser is not None
-        yield [browser.new_context() for _ in range(2)]
+        yield [browser.new_context(viewport={"width": 400, "height": 300}) for _ in range(2)]
 
 
 def opened(context: BrowserContext, robot: Robot) -> Page:

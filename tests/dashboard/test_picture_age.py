@@ -13,7 +13,7 @@ import msgspec
 import pytest
 import zstandard
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import ClientConnection
+from websockets.sync.connection import Connection
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard import Dashboard
@@ -131,7 +131,7 @@ def test_no_more_is_under_way_than_was_answered():
 class Browser:
     """viser's half of a page: it reads the stream, and knows its key and the newest mark."""
 
-    def __init__(self, connection: ClientConnection) -> None:
+    def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self.station = ""
         self.mark = 0
