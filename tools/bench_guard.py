@@ -85,7 +85,7 @@ def guarded(before: Path, task: str, turns: int) -> Line:
         step_s = min(theirs.whole_s, ours.whole_s)
         pairs = []
         for turn in range(turns):
-            # Whoever runs second finds the other's caches.
+            # The second finds the other's caches.
             order = (theirs, ours) if turn % 2 else (ours, theirs)
             took = {id(side): side.loop_s() for side in order}
             pairs.append((took[id(theirs)], took[id(ours)]))

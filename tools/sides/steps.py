@@ -137,10 +137,9 @@ def main() -> None:
         return (time.process_time() - begin) / steps
 
     with single_threaded():
-        took = []
-        for _ in range(WHOLE):
-            short, policy = Short(environment), Echo(expert, [])
-            took.append(step_s(short, policy, 1))
+        runs = [(Short(environment), Echo(expert, [])) for _ in range(WHOLE)]
+        took = [step_s(*run, 1) for run in runs]
+        short, policy = runs[-1]
         # The first one warms up.
         print(min(took), flush=True)
         remembered = Remembered(short)
