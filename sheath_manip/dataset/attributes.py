@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from sheath_manip.dataset.broken_steps import BrokenSteps
+from sheath_manip.dataset.broken_steps import broken_from_json
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.header import CAMERA, Header, is_rate, require_sizes
 from sheath_manip.dataset.naming import episode_name, is_session
@@ -155,7 +155,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         versions={name: str(value) for name, value in attributes["versions"].items()},
         recorded_utc=str(attributes["recorded_utc"]),
         space=None if told["space"] is None else Space.from_json(told["space"]),
-        broken=tuple(BrokenSteps.from_json(value) for value in attributes.get("broken", ())),
+        broken=broken_from_json(attributes.get("broken", ())),
     )
     require_sizes(header)
     return header

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, Self
+from typing import Any
 
 from sheath_manip.types import Breakdown, Episode
 
@@ -18,19 +18,22 @@ class BrokenSteps:
     broken: tuple[Breakdown, ...]
     """in each of them, in that order"""
 
-    @classmethod
-    def from_json(cls, content: Any) -> Self:
-        """Return what `dataclasses.asdict` gave.
 
-        Raises KeyError, TypeError or ValueError for anything else.
-        """
-        start, stop = content["start"], content["stop"]
-        if not (type(start) is int and type(stop) is int and 0 <= start < stop):
-            raise ValueError(f"wanted steps that something broke down in, found {start} .. {stop}")
-        broken = tuple(Breakdown(each["who"], each["what"]) for each in content["broken"])
-        if not all(isinstance(text, str) for each in broken for text in (each.who, each.what)):
-            raise TypeError("wanted who broke down, and how, as text")
-        return cls(start, stop, broken)
+def broken_from_json(content: Any) -> tuple[BrokenSteps, ...]:
+    """Return what `dataclasses.asdict` gave of each; ValueError for anything else."""
+    try:
+        return tuple(_run(each["start"], each["stop"], each["broken"]) for each in content)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"wanted steps in which something broke down ({error})") from error
+
+
+def _run(start: Any, stop: Any, broken: Any) -> BrokenSteps:
+    if not (type(start) is int and type(stop) is int and 0 <= start < stop):
+        raise ValueError("wanted the first step that broke down, and the one after the last")
+    named = tuple(Breakdown(each["who"], each["what"]) for each in broken)
+    if not all(isinstance(text, str) for each in named for text in (each.who, each.what)):
+        raise ValueError("wanted who broke down, and how, as text")
+    return BrokenSteps(start, stop, named)
 
 
 def broken_steps(episode: Episode) -> tuple[BrokenSteps, ...]:
