@@ -102,7 +102,7 @@ class Actors:
         return self._one(Actor.EXPERT).act(observation, begins=False)
 
     def act(self, decision: GateDecision, observation: Observation) -> tuple[GateDecision, Action]:
-        """Let the one act whom the decision names, or another one where that one fails.
+        """Let the one act that the decision names, or another one where that one fails.
 
         Returns who did in the end, and what. Raises BrokenError where nobody is left, and
         ParameterError where the gate wants one that was never there.

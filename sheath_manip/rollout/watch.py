@@ -27,7 +27,7 @@ class Deadline:
     share: float = 1.0
     """of the control period, for all of them together; what comes later is late"""
     hang_s: float = 2.0
-    """after which a call that does not return, whoever it is to, is broken off; `PATIENCE` times as
+    """after which a call to anything that does not return is broken off; `PATIENCE` times as
     long where the robot rests: before and in an episode's first step, and after its last one"""
 
     def __post_init__(self) -> None:
@@ -76,7 +76,10 @@ class Watch:
         self._since_s: float | None = None
         """when the present call began, or came back from one of its own"""
         self._watched = threading.get_ident()
-        self._main = threading.current_thread() is threading.main_thread()
+        # Only there signals are handled, and not every system has this one.
+        self._main = threading.current_thread() is threading.main_thread() and hasattr(
+            signal, "SIGUSR1"
+        )
         self._over = threading.Event()
         self._before = signal.signal(signal.SIGUSR1, self._break_off) if self._main else None
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)

@@ -1,4 +1,4 @@
-"""The ways in which a call may go wrong, whoever it is to; each takes the call's place."""
+"""The ways in which a call may go wrong, to any part; each takes the call's place."""
 
 import socket
 import threading

@@ -25,7 +25,7 @@ def contents(directory: Path, name: str) -> dict[str, str]:
     return found
 
 
-class StoppedError(Exception):
+class StoppedError(KeyboardInterrupt):
     """Stands for the power cut."""
 
 

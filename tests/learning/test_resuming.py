@@ -39,7 +39,7 @@ def same(directory: Path, whole: Path, methods: tuple[str, ...] = METHODS) -> bo
     return True
 
 
-class StoppedError(Exception):
+class StoppedError(KeyboardInterrupt):
     """Stands for the power cut."""
 
 
