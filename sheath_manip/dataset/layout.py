@@ -28,7 +28,7 @@ checkpoint that drove it; a plain demonstration therefore has no intervention.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ class ArraySpec:
     path: str
     shape: tuple[int, ...]
     dtype: str
-    digest: str = ""
+    digest: str = field(default="", compare=False)
     """of its content, see `digests`; empty where the recording does not say"""
 
     @property
