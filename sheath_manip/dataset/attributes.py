@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from sheath_manip.bounded_json import parse_json
-from sheath_manip.dataset.broken_steps import BrokenSteps
+from sheath_manip.dataset.broken_steps import broken_from_json
 from sheath_manip.dataset.digests import unsealed
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.fields import (
@@ -186,7 +186,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         versions=fields.take("versions", named(word, _MOST_WORDS)),
         recorded_utc=fields.take("recorded_utc", word),
         space=fields.take("space", _space, **({"absent": None} if schema == 1 else {})),
-        broken=fields.take("broken", rows_of(BrokenSteps.from_json, length + 1), absent=()),
+        broken=fields.take("broken", broken_from_json, absent=()),
     )
     if fields.take("success", flag) is not (header.outcome is Outcome.SUCCESS):
         raise ValueError(f"success: it tells another than the outcome {header.outcome}")

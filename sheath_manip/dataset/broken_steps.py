@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, Self
+from typing import Any
 
 from sheath_manip.dataset.fields import MOST_STEPS, Fields, rows_of, whole, word
 from sheath_manip.types import Breakdown, Episode
@@ -21,15 +21,19 @@ class BrokenSteps:
     broken: tuple[Breakdown, ...]
     """in each of them, in that order"""
 
-    @classmethod
-    def from_json(cls, content: Any) -> Self:
-        """Return what `dataclasses.asdict` gave; raises ValueError for anything else."""
-        fields = Fields(content)
-        start = fields.take("start", whole(0, MOST_STEPS))
-        stop = fields.take("stop", whole(start + 1, MOST_STEPS + 1))
-        broken = fields.take("broken", rows_of(_breakdown, _MOST_AT_ONCE))
-        fields.require_empty()
-        return cls(start, stop, broken)
+
+def broken_from_json(content: Any) -> tuple[BrokenSteps, ...]:
+    """Return what `dataclasses.asdict` gave of each; raises ValueError for anything else."""
+    return rows_of(_run, MOST_STEPS + 1)(content)
+
+
+def _run(content: Any) -> BrokenSteps:
+    fields = Fields(content)
+    start = fields.take("start", whole(0, MOST_STEPS))
+    stop = fields.take("stop", whole(start + 1, MOST_STEPS + 1))
+    broken = fields.take("broken", rows_of(_breakdown, _MOST_AT_ONCE))
+    fields.require_empty()
+    return BrokenSteps(start, stop, broken)
 
 
 def _breakdown(content: Any) -> Breakdown:

@@ -19,8 +19,7 @@ def test_killed_recordings_of_the_toy_task(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stdout + done.stderr
     written = json.loads((tmp_path / "bench-kills.json").read_text())
-    assert written["task"] == "corridor"
-    found = written["collect"]
+    found = written["corridor"]["collect"]
     assert (found["kills"], found["hangs"], found["tracebacks"]) == (3, 0, 0)
     assert found["same"] == found["runs"] > 0
     assert sum(found["by_victim"].values()) == 3
