@@ -1,5 +1,6 @@
 """Spoiled and harmful files of other tools: taken in as they are, or refused in one line, whole."""
 
+import atexit
 import shutil
 import tempfile
 import time
@@ -68,6 +69,7 @@ def arrays() -> dict[str, np.ndarray]:
 def sound() -> Path:
     """A folder with a sound file of each kind, and what each gives when it is taken in."""
     folder = Path(tempfile.mkdtemp(prefix="sheath-exchange-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
     store = EpisodeStore.create(folder / "store")
     for index in range(2):
         store.append(synthetic_episode(synthetic_info(3, index), length=5, pixels=4))

@@ -250,7 +250,7 @@ def test_what_changed_since_it_was_written_is_found(path):
     name = next(name for name in arrays if name.startswith("signal/"))
     changed = {**arrays, name: arrays[name] + 1}
     for written, among in ((header, changed), ({**header, "threshold": 0.5}, arrays)):
-        np.savez(path, header=np.array(json.dumps(written)), **among)
+        np.savez(path, allow_pickle=False, header=np.array(json.dumps(written)), **among)
         with pytest.raises(CheckpointError, match="is not what was written"):
             load_checkpoint(path, SPEC)
 
@@ -258,7 +258,8 @@ def test_what_changed_since_it_was_written_is_found(path):
 def test_a_file_of_before_there_were_digests_is_read_and_told(checkpoint, path):
     header, arrays = read_arrays(path)
     del header["digest"]
-    np.savez(path, header=np.array(json.dumps({**header, "schema": 3})), **arrays)
+    old = np.array(json.dumps({**header, "schema": 3}))
+    np.savez(path, allow_pickle=False, header=old, **arrays)
     loaded = load_checkpoint(path, SPEC)
     assert "has no digest: an older version wrote it" in loaded.remark
     assert loaded.threshold == checkpoint.threshold
