@@ -37,8 +37,9 @@ class Wrapped(Memoryless):
 
 
 task, path, steps = TASKS["platformer"], sys.argv[1], int((*sys.argv, 300)[2])
-shown = [sheath.samples_from([e]) for e in sheath.demonstrations(task, 4, "one-stage")]
-states, choices = shown[0], task.make("one-stage").spec.action.choices
+shown = sheath.demonstrations(task, 6, "one-stage")
+states, held_out = sheath.samples_from(shown[:3]), [sheath.samples_from([e]) for e in shown[3:]]
+choices = task.make("one-stage").spec.action.choices
 torch.manual_seed(0)
 layers = torch.nn.Linear(states.features.shape[1], 64), torch.nn.ReLU()
 network = torch.nn.Sequential(*layers, torch.nn.Linear(64, len(choices)))
@@ -50,7 +51,7 @@ for _ in range(steps):
     adam.step()
 
 policy = Wrapped(choices, network)
-fit = sheath.fit_gate(policy, states, shown[1:], GATE, sources=sheath.Sources())
+fit = sheath.fit_gate(policy, states, held_out, GATE, sources=sheath.Sources())
 checkpoint = sheath.Checkpoint(task.name, "wrapped", policy, fit.gate)
 episode = sheath.gated_episode(task, checkpoint, "one-stage", seed=7)
 takeover = np.flatnonzero(~episode.columns.by_policy)

@@ -20,7 +20,7 @@ class Cart(sheath.ArrayEnvironment):
     spec = sheath.TaskSpec("cart", 10.0, PUSH, {}, ("offset_m",), max_steps=60, metric="offset_m")
 
     def reset(self, seed):
-        return self.restore([np.random.default_rng(seed).uniform(-2, 2), 0])
+        return self.restore([np.random.default_rng(seed).uniform(-2, -1), 0])
 
     def observe(self):
         return sheath.Observation({}, self.at[:1].astype(np.float32), self.at[1] / 10)

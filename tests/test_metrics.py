@@ -6,6 +6,7 @@ import pytest
 
 from sheath_manip.metrics import (
     EpisodeRecord,
+    bounded_interval,
     expert_share,
     figures_of,
     limited_share,
@@ -90,6 +91,19 @@ def test_students_interval():
     assert mean_interval(np.arange(1.0, 6.0)) == pytest.approx((3 - half, 3 + half), abs=1e-5)
     assert mean_interval(np.array([2.0])) == (2.0, 2.0)
     assert mean_interval(np.array([2.0, 2.0, 2.0])) == (2.0, 2.0)
+
+
+def test_the_bootstraps_interval_stays_within_what_is_possible():
+    near_the_top = np.array([1.0] * 23 + [0.2])
+    low, high = bounded_interval(near_the_top)
+    assert 0.85 < low < near_the_top.mean() < high <= 1.0
+    # Student's does not.
+    assert mean_interval(near_the_top)[1] > 1.0
+    assert bounded_interval(near_the_top) == (low, high)
+    # Of many values they agree.
+    many = np.random.default_rng(1).uniform(size=400)
+    assert bounded_interval(many) == pytest.approx(mean_interval(many), abs=0.003)
+    assert bounded_interval(np.array([0.3])) == pytest.approx((0.3, 0.3))
 
 
 def test_rates_and_means_of_a_set():

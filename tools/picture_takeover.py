@@ -1,6 +1,7 @@
 """Films of a takeover, from episodes that were recorded.
 
-    python -m tools.picture_takeover STORE [--film docs/takeover.gif] [--strip STRIP.png]
+    python -m tools.picture_takeover STORE [--film docs/takeover.gif]
+                                    [--strip STRIP.png] [--note "plan quick"]
 
 shows the most telling takeover of the store: who acts and why, the score against its threshold, and
 a time axis. Any run of rounds makes a store, such as `sheath experiment driving --quick`, which
@@ -27,6 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--method", default="sheath")
     parser.add_argument("--film", type=Path, default=Path("docs/takeover.gif"))
     parser.add_argument("--strip", type=Path)
+    parser.add_argument("--note", default="", help="what a strip must say of the run")
     options = parser.parse_args(arguments)
     store = EpisodeStore(options.store)
     task = TASKS[store.summary(store.names()[0]).info.task]
@@ -34,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     shown = best_intervention(store, options.method, View(pictures_of(task, "default"), action))
     film(shown, options.film)
     if options.strip is not None:
-        film_strip(shown, options.strip)
+        film_strip(shown, options.strip, options.note)
 
 
 if __name__ == "__main__":

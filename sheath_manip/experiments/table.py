@@ -63,14 +63,17 @@ def seeds_shown(seeds: Sequence[int]) -> str:
 
 
 def with_interval(mean: float, ci95: Sequence[float]) -> str:
-    """Two lines of a cell; of three-digit numbers one decimal is enough.
+    """Two lines of a cell: the mean, and its interval in as few digits as tell it.
 
-    One line where the interval has no width: of a single value nothing is known of its spread.
+    One line where the interval has no width to be seen: as of a single value.
     """
-    digits = 2 if abs(mean) < 100 else 1
-    half = (ci95[1] - ci95[0]) / 2
-    shown = f"{mean:.{digits}f}"
-    return f"{shown}\n[dim]±{half:.{digits}f}[/dim]" if half > 0 else shown
+    largest = max(map(abs, ci95))
+    digits = 2 if largest <= 1 else 1 if largest < 10 else 0
+    low, high = (f"{value:.{digits}f}" for value in ci95)
+    if largest <= 1:
+        low, high = (text.removeprefix("0").removesuffix(".00") for text in (low, high))
+    shown = f"{mean:.{2 if abs(mean) < 100 else 1}f}"
+    return shown if low == high else f"{shown}\n[dim]{low}–{high}[/dim]"
 
 
 def _rate(figures: Mapping[str, Any]) -> str:

@@ -1,20 +1,29 @@
+import json
+import re
+from collections.abc import Iterator
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError, UnknownNameError
-from sheath_manip.experiments.figures import FIGURES, View, write_figures
+from sheath_manip.experiments.claims import read_summary
+from sheath_manip.experiments.figures import FIGURES, OF_SUMMARIES, View, style, write_figures
+from sheath_manip.experiments.figures.findings import bound, burden, failures, rates
 from sheath_manip.experiments.figures.intervention import best_intervention
 from sheath_manip.experiments.figures.replayed import pictures_of
-from sheath_manip.experiments.figures.style import looks, quantity
+from sheath_manip.experiments.figures.style import drawn_methods, quantity, shown
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.learning.config import LearningPlan
+from sheath_manip.playback import palette
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
 from tests.episodes import episode_of
 from tests.experiments.round_results import expert_records_of, results_of
@@ -144,22 +153,117 @@ def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
         assert image.width > image.height
 
 
-def test_the_figures_hold_nine_methods(tmp_path):
+def test_of_nine_methods_each_has_its_look_and_a_panel_shows_four(tmp_path, drawings):
     names = [*PLAN.comparison.methods, *(f"other-{number}" for number in range(5))]
-    assert len(set(looks(names).values())) == 9
+    assert len(set(palette.methods(names).values())) == 9
+    assert drawn_methods(names) == ["cloning", "dagger", "sheath", "random-takeover"]
+    assert drawn_methods(names[3:]) == ["random-takeover", "other-0", "other-1", "other-2"]
     results = results_of(PLAN)
     results |= dict.fromkeys(names[4:], results["dagger"])
     plan = PLAN.changed(schedule={"variant": "final"})
     summary = summarise("toy", plan, results, expert_records_of(PLAN), "sheath", 1.0)
     store = EpisodeStore.create(tmp_path / "store")
-    figures = ["rounds.png", "burden.png", "bound.png"]
-    for path in write_figures(tmp_path, summary, store, names=figures):
+    for path in write_figures(tmp_path, summary, store, names=list(OF_SUMMARIES)):
         assert_shows_something(path)
+    for figure in drawings:
+        for axes in figure.axes:
+            labels = {line.get_label() for line in axes.lines}
+            assert len({shown(name) for name in names} & labels) <= 4
+
+
+def test_titles_say_what_was_found(summary):
+    for title in (failures, burden, bound, rates):
+        said = title(summary)
+        assert re.search(r"\d", said)
+        changed = json.loads(json.dumps(summary))
+        for method in changed["methods"].values():
+            method["overall"] |= {"failure_rate": 0.75, "expert_share": 0.625}
+            for entry in method["rounds"]:
+                entry["measured"] = 1e6
+        assert title(changed) != said
+
+
+def test_where_the_expert_alone_drove_the_last_policy_counts(summary):
+    cloning = {"cloning": summary["methods"]["cloning"]}
+    said = rates({**summary, "methods": cloning})
+    assert said.startswith("behaviour cloning's last policy fails in")
+
+
+@pytest.fixture
+def drawings(monkeypatch) -> list[Figure]:
+    """Return the figures that are drawn from now on, as matplotlib has them."""
+    drawn: list[Figure] = []
+    inner = style.heading
+
+    def noted(figure: Figure, title: str, below: str) -> None:
+        drawn.append(figure)
+        inner(figure, title, below)
+
+    for name in ("rounds", "burden", "bound", "talk"):
+        module = import_module(f"sheath_manip.experiments.figures.{name}")
+        monkeypatch.setattr(module, "heading", noted)
+    return drawn
+
+
+def test_ticks_are_round_and_told_apart(tmp_path, drawings):
+    # Many methods and wide ranges; one method, one round, and ranges of no width.
+    for name in ("platformer", "grasp-clutter-recipe"):
+        summary = read_summary(Path("results") / name / "summary.json")
+        for draw in OF_SUMMARIES.values():
+            draw(summary, tmp_path / "figure.png")
+    for figure in drawings:
+        for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                ticks = axis.get_majorticklocs()
+                if len(ticks) > 1:
+                    step = float(np.diff(ticks).min())
+                    assert f"{step:.6e}".rstrip("0")[0] in "125"
+                    assert f"{step:.6e}"[2:8].strip("0") == ""
+                labels = [label.get_text() for label in axis.get_ticklabels() if label.get_text()]
+                assert len(labels) == len(set(labels))
+    assert len(drawings) == 8
+
+
+HIGHEST = {"laps": 3.0, "distance_tiles": 220.0} | dict.fromkeys(
+    ("failure_rate", "success_rate", "success", "iou", "covered", "freed", "progress"), 1.0
+)
+"""what a figure of the committed results can be at most"""
+
+
+def test_no_committed_interval_leaves_what_is_possible():
+    def walk(content: Any) -> Iterator[tuple[str, list[float]]]:
+        if isinstance(content, dict):
+            if isinstance(content.get("ci95"), dict):
+                yield from content["ci95"].items()
+            for value in content.values():
+                yield from walk(value)
+        elif isinstance(content, list):
+            for value in content:
+                yield from walk(value)
+
+    count = 0
+    for path in sorted(Path("results").glob("*/summary.json")):
+        for name, interval in walk(json.loads(path.read_text())):
+            count += 1
+            highest = HIGHEST.get(name, np.inf)
+            assert all(value is None or 0 <= value <= highest for value in interval), (path, name)
+    assert count > 500
 
 
 def test_an_axis_says_quantity_and_unit():
     assert quantity("distance_tiles") == "distance (tiles)"
     assert quantity("laps") == "laps"
+
+
+def test_a_film_to_the_end_of_its_episode_shows_the_last_observation(summary, tmp_path):
+    store = EpisodeStore.create(tmp_path / "store")
+    store.append(episode(0, "p" * 20 + "e" * 12))
+    (path,) = write_figures(tmp_path, summary, store, names=["intervention.gif"])
+    window = best_intervention(store).window
+    assert window.stop == 32
+    with Image.open(path) as film:
+        assert film.size[0] >= 720
+        assert film.n_frames == window.stop - window.start + 1  # pyright: ignore
 
 
 def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):

@@ -115,7 +115,8 @@ def test_in_the_loop_all_meet_the_same_scenes_and_are_compared_at_one_share(whol
 
 
 def test_the_figures_show_something(whole):
-    for kind in ("roc", "share"):
+    assert summary_of(whole)["talk"] == "corridor-noticed.png"
+    for kind in ("noticed", "share"):
         assert_shows_something(whole / "results" / f"corridor-{kind}.png")
 
 
@@ -236,8 +237,8 @@ def test_few_gates_are_told_apart_in_the_figures():
             "d": row(0.5, "s", "t"),
         },
     }
-    said = {name: role for name, (_, role) in highlighted(found).items()}
-    assert said == {"a": "default", "b": "best other", "c": "worst", "d": "joined"}
+    # With random takeover four.
+    assert highlighted(found) == {"a": "default", "b": "best other", "c": "worst"}
 
 
 def test_the_default_is_a_row_whatever_else_is_asked_for():

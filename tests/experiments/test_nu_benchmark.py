@@ -75,7 +75,7 @@ def test_all_nu_have_the_same_demonstrations(whole):
 
 
 def test_the_figure_shows_something_and_the_table_fits(whole, capsys):
-    assert_shows_something(whole / "results" / "buttons-nu.png")
+    assert_shows_something(whole / "results" / summary_of(whole)["talk"])
     Console(width=80).print(table(summary_of(whole)))
     assert "…" not in capsys.readouterr().out
 

@@ -11,7 +11,7 @@ from sheath_manip.experiments.summary import git_revision, summarise
 from sheath_manip.experiments.table import seeds_shown, table, with_interval
 from sheath_manip.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.metrics import mean_interval
+from sheath_manip.metrics import bounded_interval
 from tests.experiments.round_results import expert_records_of, results_of
 
 PLAN = LearningPlan().changed(
@@ -115,7 +115,7 @@ def test_of_many_runs_a_metric_is_as_certain_as_the_runs_are_alike():
         if result.round == 3
     ]
     assert policy["episodes"] == 40
-    assert policy["ci95"]["laps"] == pytest.approx(list(mean_interval(np.array(means))))
+    assert policy["ci95"]["laps"] == pytest.approx(list(bounded_interval(np.array(means))))
 
 
 def test_many_seeds_are_one_word():
@@ -195,8 +195,9 @@ def test_the_revision_says_whether_files_differ(tmp_path):
 
 
 def test_a_single_value_is_shown_without_an_interval():
-    assert with_interval(0.5, mean_interval(np.array([0.5]))) == "0.50"
-    assert "±" in with_interval(0.5, mean_interval(np.array([0.25, 0.75])))
+    assert with_interval(0.5, bounded_interval(np.array([0.5]))) == "0.50"
+    # Not ±: what has bounds is not as uncertain upwards as downwards.
+    assert with_interval(0.5, bounded_interval(np.array([0.25, 0.75]))).endswith(".25–.75[/dim]")
 
 
 def test_who_learns_nothing_is_beside_the_methods(summary, results, capsys):

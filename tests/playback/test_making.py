@@ -130,7 +130,7 @@ def test_a_variant_that_is_no_longer_there_is_named(tmp_path) -> None:
     maker.close()
 
 
-def test_a_video_has_a_frame_for_each_step_and_a_page_holds_all_of_it(tmp_path) -> None:
+def test_a_video_has_a_frame_for_each_step_and_its_end_and_a_page_holds_all_of_it(tmp_path) -> None:
     film = film_of(RingRoad(), replace(drive(RingRoad(), 30), outcome=Outcome.SUCCESS))
     name, video = exported(film, None, "mp4")
     assert name == "learning-sheath-s0-r02-i000-seed1.mp4"
@@ -140,7 +140,8 @@ def test_a_video_has_a_frame_for_each_step_and_a_page_holds_all_of_it(tmp_path) 
     while capture.read()[0]:
         frames += 1
     capture.release()
-    assert frames == 30
+    # One more than there are steps: the last is the last observation.
+    assert frames == 31
     page = html(film, video)
     # A task called "ring <b>road</b>" is text in the page and in its script.
     assert "<b>" not in page

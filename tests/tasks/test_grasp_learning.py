@@ -70,5 +70,4 @@ def test_a_small_experiment_with_a_film(tmp_path):
     assert summary["metric"] == "success"
     assert summary["expert"]["success_rate"] == 1.0
     with Image.open(tmp_path / "results" / "intervention.gif") as film:
-        # Larger than what the policy saw, 84 px.
-        assert film.width > 288
+        assert film.width == 720

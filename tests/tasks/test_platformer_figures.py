@@ -62,7 +62,7 @@ def test_a_demonstration_is_shown_in_the_middle_and_its_frames_from_its_states(t
         assert image.width == 1600
         assert players_column(np.asarray(image.convert("RGB"))[:600]) == pytest.approx(1 / 3, 0.1)
     frames = pictures_of(PLATFORMER, "stage")(episode, [10, 60])
-    assert [frame.shape for frame in frames] == [(288, 384, 3)] * 2
+    assert [frame.shape for frame in frames] == [(360, 720, 3)] * 2
     assert not np.array_equal(frames[0], frames[1])
     for frame in frames:
         assert players_column(frame) == pytest.approx(1 / 3, 0.1)

@@ -31,8 +31,11 @@ _LEADS = {
 """what leads to an intervention, where it is one of the gate's two questions"""
 
 
-def film_strip(shown: Intervention, path: Path) -> None:
-    """Frames framed in the colour of who acts, and below them score and threshold over time."""
+def film_strip(shown: Intervention, path: Path, note: str = "") -> None:
+    """Frames framed in the colour of who acts, and below them score and threshold over time.
+
+    A `note` says below the title what else must be known of the run, such as its plan.
+    """
     episode, window = shown.episode, shown.window
     info = episode.info
     # One more than there are steps where the episode ends in it.
@@ -46,7 +49,7 @@ def film_strip(shown: Intervention, path: Path) -> None:
             figure,
             _finding(shown),
             f"{info.task}, {info.method}, round {info.round}, training seed {info.run_seed}, "
-            f"scene {info.seed}; the letters mark the frames below",
+            f"scene {info.seed}{note and f', {note}'}; the letters mark the frames below",
         )
         ratios = (min(tall, 450), 430)
         above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=ratios)[:, 0]

@@ -28,6 +28,8 @@ SHARE = "share"
 """what the other figure's name ends in"""
 CHANCE = 0.5
 """area under the curve of a score that knows nothing"""
+MISTAKES = {"costly": "Costly mistakes", "differs": "Other actions than the expert's"}
+"""by what is measured of them"""
 SHARES_SHOWN = 0.6
 """of the steps; beyond it the expert drives, and nothing fails"""
 
@@ -45,15 +47,19 @@ def draw(summary: Mapping[str, Any], directory: Path) -> list[Path]:
 def noticed(task: str, found: Mapping[str, Any], plan: Mapping[str, Any], path: Path) -> None:
     """Draw one point a gate: how well it tells apart what no expert does, and costly mistakes."""
     named = highlighted(found)
-    places = {name: _place(row) for name, row in found["rows"].items()}
-    places = {name: place for name, place in places.items() if place is not None}
-    middle = np.mean([min(places.values())[0], max(places.values())[0]])
-    areas = [places[name][1] for name in named if name in places]
+    measured = _measured(found["rows"])
+    places = {
+        name: (row["auroc_far"], row["errs"][measured])
+        for name, row in found["rows"].items()
+        if "errs" in row and None not in (row["auroc_far"], row["errs"][measured])
+    }
+    middle = np.mean([place[0] for place in places.values()] or [CHANCE])
+    areas = [f"{places[name][1]:.2f}" for name in named if name in places] or ["–"]
     with drawing(path, height_px=1000) as figure:
         heading(
             figure,
-            f"Costly mistakes: {found['default']} notices them with an area of {areas[0]:.2f}, the "
-            f"worst of {len(places)} gates with {areas[-1]:.2f}",
+            f"{MISTAKES[measured]}: {found['default']} notices them with an area of {areas[0]}, "
+            f"the worst of {len(places)} gates with {areas[-1]}",
             f"{task}; all gates on the same policy and {plan['visited']} held-out scenes, training "
             f"seeds {seeds_shown(plan['seeds'])}; grey: the others, by name in the table",
         )
@@ -80,7 +86,7 @@ def noticed(task: str, found: Mapping[str, Any], plan: Mapping[str, Any], path: 
                 path_effects=[withStroke(linewidth=4, foreground="white")],
                 zorder=4,
             )
-        lowest = min(CHANCE, *(each for place in places.values() for each in place)) - 0.01
+        lowest = min([CHANCE, *(each for place in places.values() for each in place)]) - 0.01
         axes.set_xlim(lowest, 1.01)
         axes.set_ylim(lowest, 1.01)
         axes.grid(visible=True, axis="both")
@@ -88,13 +94,15 @@ def noticed(task: str, found: Mapping[str, Any], plan: Mapping[str, Any], path: 
         round_ticks(axes.yaxis)
         axes.tick_params(labelsize=12)
         axes.set_xlabel("area under the curve: displaced to where no expert comes", fontsize=13)
-        axes.set_ylabel("area under the curve: costly mistakes of the policy", fontsize=13)
+        axes.set_ylabel(
+            f"area under the curve: {MISTAKES[measured].lower()} of the policy", fontsize=13
+        )
 
 
-def _place(row: Mapping[str, Any]) -> tuple[float, float] | None:
-    """Both areas of a gate; None where it has none."""
-    found = row.get("auroc_far"), row.get("errs", {}).get("costly")
-    return None if None in found else found
+def _measured(rows: Mapping[str, Any]) -> str:
+    """Costly mistakes, or where the policy made none, any action that is not the expert's."""
+    found = (row["errs"]["costly"] for row in rows.values() if "errs" in row)
+    return "costly" if any(area is not None for area in found) else "differs"
 
 
 def failures_by_share(
