@@ -12,6 +12,8 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError, UnknownNameError
@@ -264,6 +266,23 @@ def test_a_film_to_the_end_of_its_episode_shows_the_last_observation(summary, tm
     with Image.open(path) as film:
         assert film.size[0] >= 720
         assert film.n_frames == window.stop - window.start + 1  # pyright: ignore
+
+
+def test_results_are_drawn_again_from_their_summaries_alone(summary, tmp_path, capsys):
+    def asked() -> int:
+        return run_command(lambda: Catalog({}, {}), ["figures", "--results", str(tmp_path)])
+
+    assert asked() == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    (tmp_path / "toy").mkdir()
+    path = tmp_path / "toy" / "summary.json"
+    path.write_text(json.dumps(summary))
+    assert asked() == 0
+    assert {each.name for each in path.parent.iterdir()} == {path.name, *OF_SUMMARIES}
+    assert (path.parent / summary["talk"]).exists()
+    path.write_text(json.dumps({**summary, "methods": {}}))
+    assert asked() == 2
+    assert "lacks what its figures show" in capsys.readouterr().err
 
 
 def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):

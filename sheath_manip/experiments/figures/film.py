@@ -27,7 +27,7 @@ def film(shown: Intervention, path: Path) -> None:
         )
     )
     frame_ms = 1000 * SLOWER / episode.info.control_rate_hz
-    # These show whoever acts in it.
+    # Together they show all who act in it.
     typical = (0, shown.start - window.start, len(drawn) - 1)
     with written_aside(path) as aside:
         aside.write_bytes(gif(drawn, frame_ms, typical))
