@@ -193,7 +193,6 @@ def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, 
         taken,
     )
     assert contrast(taken, "#sheath-operator") > 4.5
-    taken.screenshot(path=f"/tmp/page_stop_{size[0]}.png")
     taken.set_viewport_size({"width": 400, "height": 300})
 
 
