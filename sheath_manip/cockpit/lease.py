@@ -48,8 +48,11 @@ class Lease:
         return replace(self, touched=False)
 
     def silenced(self) -> Self:
-        """Hold nothing until it is heard again; the right to drive goes on for a while."""
-        return replace(self, input=None, goal=None)
+        """Hold nothing until it is heard again; the right to drive goes on for a while.
+
+        What goes on then begins with a key: not even a car sets off by itself.
+        """
+        return replace(self, input=None, goal=None, touched=False)
 
     def alive(self, now_s: float) -> bool:
         """Return whether somebody drives and was heard of a moment ago."""

@@ -90,6 +90,21 @@ def test_a_turn_begins_with_the_first_key_also_without_a_dead_man():
     assert set(reasons(episode)[7:]) == {Reason.PERSON}
 
 
+def test_after_a_silence_a_car_does_not_set_off_by_itself():
+    script = {
+        2: take,
+        4: lambda page: page.silence("page"),
+        6: lambda page: page.submit_input("page", IDLE),
+        8: lambda page: page.submit_input("page", LEFT),
+        9: lambda page: page.submit_input("page", IDLE),
+    }
+    episode, _ = run(script, AlwaysPolicy(), dead_man=False)
+    assert reasons(episode)[2:4] == [Reason.PERSON] * 2
+    assert reasons(episode)[4:6] == [Reason.WAITING] * 2
+    assert reasons(episode)[6:8] == [Reason.IDLE] * 2
+    assert set(reasons(episode)[8:]) == {Reason.PERSON}
+
+
 def test_the_next_episode_begins_with_the_next_key_of_who_drives_on():
     cockpit = Cockpit(teleop(Corridor()).guide, Clock())
     take(cockpit)

@@ -96,6 +96,36 @@ def test_a_hidden_page_says_nothing_so_that_the_robot_holds(cockpit, taken):
     wait_until(lambda: not cockpit.now().abandoned and not held(cockpit), "sign of life", taken)
 
 
+PADS = """
+({ mapping, frozen }) => {
+  const pushed = { connected: true, axes: [-1, 0, 0, 0], buttons: [{ pressed: true }] };
+  const dead = { ...pushed, axes: [0, 0, 0, 0], buttons: [], mapping: "standard", timestamp: 0 };
+  const began = performance.now();
+  navigator.getGamepads = () =>
+    [dead, null, { ...pushed, mapping, timestamp: frozen ? began : performance.now() }];
+}
+"""
+"""the stick to the left and a button held; in the first slot a device that is dead"""
+
+
+def test_a_gamepad_drives_unless_it_is_unknown_or_frozen(cockpit, taken):
+    def pushed() -> bool:
+        pad = cockpit.latest_input.pad
+        return pad is not None and pad.axes[0] == -1.0
+
+    def says(word: str) -> bool:
+        return word in taken.locator("#sheath-operator").inner_text()
+
+    taken.evaluate(PADS, {"mapping": "standard", "frozen": False})
+    wait_until(pushed, "the pad", taken)
+    taken.evaluate(PADS, {"mapping": "", "frozen": False})
+    wait_until(lambda: says("layout is unknown") and not pushed(), "word of the pad", taken)
+    taken.evaluate(PADS, {"mapping": "standard", "frozen": True})
+    wait_until(pushed, "the pad", taken)
+    wait_until(lambda: says("says nothing new") and not pushed(), "word of the pad", taken)
+    taken.evaluate("() => { navigator.getGamepads = () => []; }")
+
+
 @pytest.mark.parametrize(
     ("layout", "code", "key"),
     [
@@ -193,7 +223,6 @@ def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, 
         taken,
     )
     assert contrast(taken, "#sheath-operator") > 4.5
-    taken.screenshot(path=f"/tmp/page_stop_{size[0]}.png")
     taken.set_viewport_size({"width": 400, "height": 300})
 
 

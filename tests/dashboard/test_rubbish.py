@@ -84,6 +84,28 @@ def test_no_rubbish_request_writes_on_the_terminal(
     assert not caplog.records
 
 
+def test_what_fails_in_the_page_itself_is_told_once_by_the_name_of_its_class(
+    dashboard: Dashboard,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def fail(*_: object) -> None:
+        raise ArithmeticError(ESCAPE.decode())
+
+    monkeypatch.setattr(dashboard.cockpit, "order", fail)
+    for _ in range(3):
+        with open_socket(dashboard.address) as station:
+            station.send(json.dumps({"order": "pause"}))
+            with pytest.raises(ConnectionClosed):
+                all(iter(lambda station=station: station.recv(DEADLINE_S), ""))
+    assert [each.getMessage() for each in caplog.records] == [
+        "a connection to the page failed (ArithmeticError); the run goes on"
+    ]
+    assert not caplog.records[0].exc_info
+    assert capfd.readouterr() == ("", "")
+
+
 def test_every_answer_has_all_headers(dashboard: Dashboard) -> None:
     admitted, port = admission(dashboard.address), dashboard._server.access.port
     asked = {

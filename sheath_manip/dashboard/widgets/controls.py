@@ -19,6 +19,8 @@ _EPISODE = {
     "Discard": Order.DISCARD,
 }
 """in words that its hotkeys (G F V Z) go with"""
+_RED, _GREY = (190, 30, 45), (92, 98, 106)
+"""on which white letters have a contrast of 6 to 1; on viser's own it is 3.3"""
 
 
 class Controls:
@@ -33,13 +35,13 @@ class Controls:
         self._cockpit = cockpit
         self._drawn = cockpit.state
         gui, operated = context.viser.gui, bool(cockpit.guide)
-        self.stop = gui.add_button("STOP (Space)", color="red", visible=operated)
-        self.reset = gui.add_button("Reset the stop (R)", color="gray", visible=False)
+        self.stop = gui.add_button("STOP (Space)", color=_RED, visible=operated)
+        self.reset = gui.add_button("Reset the stop (R)", color=_GREY, visible=False)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
-        self.go_on = gui.add_button("Let the policy go on (H)", color="gray", visible=False)
-        self.pause = gui.add_button("Pause (P)", color="gray", icon=viser.Icon.PLAYER_PAUSE)
+        self.go_on = gui.add_button("Let the policy go on (H)", color=_GREY, visible=False)
+        self.pause = gui.add_button("Pause (P)", color=_GREY, icon=viser.Icon.PLAYER_PAUSE)
         self.step = gui.add_button(
-            "One step (.)", color="gray", icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
+            "One step (.)", color=_GREY, icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
         )
         self.speed = gui.add_slider(
             "Speed", min=SLOWEST, max=FASTEST, step=0.1, initial_value=1.0, visible=cockpit.paced
@@ -72,7 +74,7 @@ class Controls:
         self.go_on.visible = state.abandoned
         self.pause.label = "Resume (P)" if state.paused else "Pause (P)"
         self.pause.icon = viser.Icon.PLAYER_PLAY if state.paused else viser.Icon.PLAYER_PAUSE
-        self.pause.color = "green" if state.paused else "gray"
+        self.pause.color = "green" if state.paused else _GREY
         self.step.visible = state.paused
 
     def _bind(self, button: viser.GuiButtonHandle, meant: Callable[[State], Order]) -> None:
