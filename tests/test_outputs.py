@@ -13,8 +13,8 @@ from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
-from sheath_manip.json_files import write_json
-from sheath_manip.outputs import PREFIX, written_aside
+from sheath_manip.files.json_files import write_json
+from sheath_manip.files.outputs import PREFIX, written_aside
 from tools.synthetic import synthetic_episode, synthetic_info
 
 
@@ -69,7 +69,7 @@ def test_a_disk_without_links_serves_too(tmp_path: Path, monkeypatch: pytest.Mon
 KILLED = """
 import os, sys
 from pathlib import Path
-from sheath_manip.outputs import written_aside
+from sheath_manip.files.outputs import written_aside
 with written_aside(Path(sys.argv[1])) as aside:
     aside.write_text("half")
     os.kill(os.getpid(), 9)
@@ -107,7 +107,7 @@ def test_an_export_onto_a_full_disk_can_be_tried_again(store, tmp_path, form, ta
 
 def test_room_is_asked_for_before_an_episode_is_written(store, tmp_path, monkeypatch) -> None:
     usage = type("usage", (), {"free": 200_000})
-    monkeypatch.setattr("sheath_manip.outputs.shutil.disk_usage", lambda _: usage)
+    monkeypatch.setattr("sheath_manip.files.outputs.shutil.disk_usage", lambda _: usage)
     with pytest.raises(StoreError, match=r"has 0.2 MB free, wanted 0.4 MB"):
         export(store, tmp_path / "out" / "x.hdf5", "robomimic", Selection())
     assert names(tmp_path / "out") == []

@@ -11,7 +11,7 @@ from rich.text import Text
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.outputs import written_aside
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.task import Task
 
 if TYPE_CHECKING:

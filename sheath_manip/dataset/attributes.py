@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.broken_steps import broken_from_json
 from sheath_manip.dataset.digests import unsealed
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
@@ -25,7 +24,8 @@ from sheath_manip.dataset.layout import layout, require_bounds
 from sheath_manip.dataset.naming import episode_name, is_session
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
-from sheath_manip.json_files import strict_float
+from sheath_manip.files.bounded_json import parse_json
+from sheath_manip.files.json_files import strict_float
 from sheath_manip.types import Actor, EpisodeInfo, Outcome, Purpose, Reason
 
 FORMAT = "sheath-episode"

@@ -2,7 +2,6 @@
 
 from pathlib import PurePosixPath
 
-from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.attributes import GROUP_FILE
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.group import MOST_METADATA_BYTES, array_paths
@@ -10,6 +9,7 @@ from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.steps import content_faults, content_remarks
+from sheath_manip.files.bounded_json import parse_json
 
 
 def check(reader: EpisodeReader) -> list[Fault]:

@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from sheath_manip.outputs import sync
+from sheath_manip.files.outputs import sync
 
 # Linux has it and os has not; it tells of failed writes as fsync does.
 _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)

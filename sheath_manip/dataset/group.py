@@ -7,7 +7,6 @@ from pathlib import PurePosixPath
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.attributes import GROUP_FILE, to_attributes
 from sheath_manip.dataset.digests import ArrayDigest, sealed
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
@@ -26,6 +25,7 @@ from sheath_manip.dataset.zarr_files import (
     places,
 )
 from sheath_manip.exceptions import StoreError
+from sheath_manip.files.bounded_json import parse_json
 
 Content = Callable[[str, int], bytes]
 """Gives what is in a file of an episode, of at most so many bytes; raises StoreError, and

@@ -5,12 +5,12 @@ import re
 from datetime import UTC, datetime
 from pathlib import Path
 
-from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.fields import shown
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.rooted_files import read_inside
 from sheath_manip.exceptions import StoreError
-from sheath_manip.outputs import sync, written_aside
+from sheath_manip.files.bounded_json import parse_json
+from sheath_manip.files.outputs import sync, written_aside
 
 MARKER = "sheath-store.json"
 FORMAT = "sheath-store"

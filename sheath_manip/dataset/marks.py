@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.digests import DIGEST, stamped, unstamped
 from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.fields import MOST_STEPS, Fields, one_of, rows_of, whole, word
 from sheath_manip.dataset.naming import is_episode_name
 from sheath_manip.dataset.rooted_files import kind_of, read_inside
 from sheath_manip.exceptions import ParameterError, StoreError
-from sheath_manip.outputs import sync, written_aside
+from sheath_manip.files.bounded_json import parse_json
+from sheath_manip.files.outputs import sync, written_aside
 from sheath_manip.types import Episode, Outcome, Step
 
 SUFFIX = ".marks.json"

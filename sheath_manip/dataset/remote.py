@@ -16,7 +16,6 @@ from datetime import timedelta
 from pathlib import PurePosixPath
 from typing import Any
 
-from sheath_manip.bounded_json import parse_json
 from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, parse_header
 from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.faults import Fault, FaultError, FaultKind
@@ -25,6 +24,7 @@ from sheath_manip.dataset.marker import MARKER, MOST_MARKER_BYTES, marker_text, 
 from sheath_manip.dataset.naming import is_episode_name
 from sheath_manip.dataset.reader import LARGEST_FILE_BYTES, EpisodeReader, no_such_episode
 from sheath_manip.exceptions import StoreError
+from sheath_manip.files.bounded_json import parse_json
 
 with needs("remote", "obstore"):
     import obstore

@@ -6,7 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.fields import Fields, Read, number, rows_of, word
-from sheath_manip.json_files import strict_float
+from sheath_manip.files.json_files import strict_float
 from sheath_manip.types import TaskSpec
 
 MOST_NAMES = 100_000

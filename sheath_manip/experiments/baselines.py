@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.experiments.study import Study
+from sheath_manip.files.json_files import plain, write_json
 from sheath_manip.gates import AlwaysExpert
-from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.evaluation import evaluation_requests
 from sheath_manip.metrics import figures_of, record_of

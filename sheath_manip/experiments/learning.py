@@ -18,7 +18,7 @@ from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
 from sheath_manip.experiments.workers import run_jobs
-from sheath_manip.json_files import write_json
+from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.methods import method_named

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sheath_manip.experiments.areas import areas
-from sheath_manip.json_files import plain
+from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, bounded_interval, expert_share, figures_of

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownNameError
+from sheath_manip.files.outputs import written_aside
+from sheath_manip.files.plain_files import sha256_of
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
@@ -18,8 +20,6 @@ from sheath_manip.learning.checkpoint_file import read_arrays, require_digest, w
 from sheath_manip.learning.checkpoint_header import require_header
 from sheath_manip.learning.older_checkpoints import header_of_schema_2
 from sheath_manip.learning.trying import require_works
-from sheath_manip.outputs import written_aside
-from sheath_manip.plain_files import sha256_of
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Gate, TrainablePolicy

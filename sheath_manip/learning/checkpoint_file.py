@@ -19,7 +19,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import CheckpointError
-from sheath_manip.plain_files import open_plain
+from sheath_manip.files.plain_files import open_plain
 from sheath_manip.protocols import Arrays
 
 HEADER = "header"

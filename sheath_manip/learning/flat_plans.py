@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.json_files import plain
+from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 
 PLACES: dict[str, tuple[str, ...]] = {

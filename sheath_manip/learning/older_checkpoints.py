@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.exceptions import CheckpointError, SheathError
+from sheath_manip.files.plain_files import read_plain
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.flat_plans import upgraded
 from sheath_manip.learning.methods import METHODS
-from sheath_manip.plain_files import read_plain
 
 PLAN = "plan.json"
 LEVELS = 3

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from sheath_manip.exceptions import StoreError
-from sheath_manip.json_files import write_json
+from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.theory import Bound
 from sheath_manip.metrics import EpisodeRecord
 from sheath_manip.types import Outcome

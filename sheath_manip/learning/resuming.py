@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.json_files import plain, write_json
+from sheath_manip.files.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.flat_plans import upgraded
 

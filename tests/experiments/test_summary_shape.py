@@ -9,7 +9,7 @@ from rich.console import Console
 
 from sheath_manip.experiments.summary import git_revision, summarise
 from sheath_manip.experiments.table import seeds_shown, table, with_interval
-from sheath_manip.json_files import write_json
+from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.metrics import bounded_interval
 from tests.experiments.round_results import expert_records_of, results_of

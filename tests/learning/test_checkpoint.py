@@ -183,7 +183,7 @@ def test_a_save_that_fails_leaves_the_old_file_and_no_litter(checkpoint, path, m
     def full_disk(_):
         raise OSError("no space left on device")
 
-    monkeypatch.setattr("sheath_manip.outputs.os.fsync", full_disk)
+    monkeypatch.setattr("sheath_manip.files.outputs.os.fsync", full_disk)
     with pytest.raises(OSError, match="no space"):
         replace(checkpoint, round=4).save(path)
     assert path.read_bytes() == before

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.files.json_files import plain
 from sheath_manip.gates.config import GateConfig
-from sheath_manip.json_files import plain
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.learning.flat_plans import PLACES, upgraded
 from sheath_manip.policies.config import PolicyConfig

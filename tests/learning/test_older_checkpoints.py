@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import CheckpointError
+from sheath_manip.files.json_files import plain
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import Sources
 from sheath_manip.gates.query import QueryFilter
 from sheath_manip.gates.support import SupportGate
-from sheath_manip.json_files import plain
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import fit_gate

@@ -8,7 +8,7 @@ import pytest
 
 from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.summary import summarise
-from sheath_manip.json_files import plain
+from sheath_manip.files.json_files import plain
 from sheath_manip.metrics import EpisodeRecord, figures_of
 from sheath_manip.tasks.gauze_cutting.study.entry import STUDY
 from sheath_manip.types import Outcome

@@ -12,7 +12,7 @@ from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
-from sheath_manip.outputs import require_space, written_aside
+from sheath_manip.files.outputs import require_space, written_aside
 from sheath_manip.types import Outcome
 
 

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from sheath_manip.dataset.exchange.limits import MOST_ENTRIES
 from sheath_manip.exceptions import StoreError
-from sheath_manip.plain_files import open_plain, read_plain
+from sheath_manip.files.plain_files import open_plain, read_plain
 
 MOST_DEEP = 8
 """folders in each other"""

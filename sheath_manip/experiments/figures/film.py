@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from sheath_manip.experiments.figures.intervention import Intervention
-from sheath_manip.outputs import written_aside
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.playback.frames import frames
 from sheath_manip.playback.gif import gif
 from sheath_manip.playback.trace import trace_of

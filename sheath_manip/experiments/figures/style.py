@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from sheath_manip.outputs import written_aside
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.playback import palette
 from sheath_manip.playback.gif import limited
 from sheath_manip.types import Actor

@@ -17,7 +17,7 @@ from sheath_manip.experiments.gates.table import tables
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.workers import in_stages, run_jobs
-from sheath_manip.json_files import write_json
+from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 
 

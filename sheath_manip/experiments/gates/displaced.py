@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from sheath_manip.experiments.gates.setting import Setting
-from sheath_manip.outputs import written_aside
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.protocols import Report
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation

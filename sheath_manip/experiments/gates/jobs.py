@@ -14,11 +14,11 @@ from sheath_manip.experiments.gates.remembered import Shared
 from sheath_manip.experiments.gates.rows import BASELINES, Row, rows
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.visited import record_visits
+from sheath_manip.files.json_files import plain, write_json
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.gates.config import planned_signal
-from sheath_manip.json_files import plain, write_json
 from sheath_manip.learning.fitting import Looks, fit_to_looks
 from sheath_manip.learning.run import LearningRun
-from sheath_manip.outputs import written_aside
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.policies.looking import look_with_displaced

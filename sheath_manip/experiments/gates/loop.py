@@ -10,7 +10,7 @@ from typing import Any
 from sheath_manip.exceptions import StoreError
 from sheath_manip.experiments.gates.rows import BASELINES
 from sheath_manip.experiments.gates.setting import Setting
-from sheath_manip.json_files import write_json
+from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.drivers import GivenPolicy
 from sheath_manip.learning.evaluation import evaluation_requests

@@ -14,7 +14,7 @@ from sheath_manip.experiments.gates.plan import GatesPlan
 from sheath_manip.experiments.gates.rows import BASELINES, EXPERT, POLICY, default_name, rows
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.summary import program
-from sheath_manip.json_files import plain
+from sheath_manip.files.json_files import plain
 from sheath_manip.metrics import EpisodeRecord, Figures, expert_share, figures_of
 
 NOTICED = "noticed"

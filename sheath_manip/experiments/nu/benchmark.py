@@ -15,7 +15,7 @@ from sheath_manip.experiments.nu.summary import Setting, summarise, table
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.workers import run_jobs
-from sheath_manip.json_files import write_json
+from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 

@@ -15,7 +15,7 @@ from sheath_manip.experiments.nu.plan import METHOD, NuPlan
 from sheath_manip.experiments.summary import program
 from sheath_manip.experiments.summary import summarise as summarise_learning
 from sheath_manip.experiments.table import seeds_shown, with_interval
-from sheath_manip.json_files import plain
+from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_results
 from sheath_manip.metrics import record_of

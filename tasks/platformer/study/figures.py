@@ -17,8 +17,8 @@ from sheath_manip.experiments.figures.intervention import (
 )
 from sheath_manip.experiments.figures.replayed import replayed
 from sheath_manip.experiments.figures.style import WIDTH_PX
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.learning.checkpoint import Checkpoint
-from sheath_manip.outputs import written_aside
 from sheath_manip.playback.gif import limited
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.platformer.picture import film_frame, frame, whole_stage

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sheath_manip.outputs import written_aside
+from sheath_manip.files.outputs import written_aside
 
 
 def write_json(path: Path, content: Any) -> None:
