@@ -106,8 +106,8 @@ def test_an_export_onto_a_full_disk_can_be_tried_again(store, tmp_path, form, ta
 
 
 def test_room_is_asked_for_before_an_episode_is_written(store, tmp_path, monkeypatch) -> None:
-    usage = type("usage", (), {"free": 200_000})
-    monkeypatch.setattr("sheath_manip.files.outputs.shutil.disk_usage", lambda _: usage)
-    with pytest.raises(StoreError, match=r"has 0.2 MB free, wanted 0.4 MB"):
+    usage = type("usage", (), {"free": 100_000_000})
+    monkeypatch.setattr("sheath_manip.dataset.disk.shutil.disk_usage", lambda _: usage)
+    with pytest.raises(StoreError, match=r"has 100 MB free, wanted 200 MB"):
         export(store, tmp_path / "out" / "x.hdf5", "robomimic", Selection())
     assert names(tmp_path / "out") == []

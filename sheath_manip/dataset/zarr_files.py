@@ -16,13 +16,13 @@ import numpy as np
 from numcodecs.zstd import Zstd
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.zstd_frame import zstd_told_bytes
+
 METADATA = "zarr.json"
 _ZSTD_LEVEL = 1
 """A higher one, or a bit shuffle, only costs time."""
 DTYPES = ("bool", "uint8", "int64", "float32", "float64")
 """the types that are written and read; there is no code in any of them"""
-_FRAME = bytes.fromhex("28b52ffd")
-"""what each compressed chunk begins with, RFC 8878, 3.1.1"""
 
 File = tuple[str, bytes]
 """a path in a folder, with slashes, and what is there"""
@@ -109,7 +109,7 @@ def decoded(content: bytes, dtype: str, chunks: tuple[int, ...]) -> NDArray:
     """
     kind = np.dtype(dtype).newbyteorder("<")
     size = math.prod(chunks) * kind.itemsize
-    if _told_bytes(content) != size:
+    if zstd_told_bytes(content) != size:
         raise ValueError(f"wanted a block of {size} bytes, compressed by zstd")
     whole = np.empty(chunks, kind)
     try:
@@ -117,21 +117,6 @@ def decoded(content: bytes, dtype: str, chunks: tuple[int, ...]) -> NDArray:
     except RuntimeError as error:
         raise ValueError(str(error)) from error
     return whole.astype(np.dtype(dtype), copy=False)
-
-
-def _told_bytes(content: bytes) -> int | None:
-    """The size that the first frame tells of, RFC 8878, 3.1.1.1; None where it tells none."""
-    if len(content) < 6 or content[:4] != _FRAME:
-        return None
-    descriptor = content[4]
-    flag, single, dictionary = descriptor >> 6, descriptor >> 5 & 1, descriptor & 3
-    if not flag and not single:
-        return None
-    start = 5 + (1 - single) + (0, 1, 2, 4)[dictionary]
-    size = (1, 2, 4, 8)[flag]
-    told = content[start : start + size]
-    # A size of two bytes begins to count where that of one ends.
-    return int.from_bytes(told, "little") + (256 if flag == 1 else 0)
 
 
 def files_of(folder: str, files: Iterable[File]) -> Iterator[File]:

@@ -11,8 +11,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sheath_manip.exceptions import StoreError
-
 PREFIX = ".tmp-"
 """of whatever is still being written"""
 
@@ -47,16 +45,6 @@ def written_aside(final: Path, replacing: bool = True) -> Iterator[Path]:
         sync(final.parent)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def require_space(folder: Path, wanted_bytes: float) -> None:
-    """Raise StoreError where the disk of `folder` has less free than `wanted_bytes`."""
-    free_bytes = shutil.disk_usage(folder).free
-    if free_bytes < wanted_bytes:
-        raise StoreError(
-            f"the disk of {folder} has {free_bytes / 1e6:.1f} MB free, wanted "
-            f"{wanted_bytes / 1e6:.1f} MB; free some, or write elsewhere"
-        )
 
 
 def sync(path: Path) -> None:

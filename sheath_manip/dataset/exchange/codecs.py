@@ -13,12 +13,13 @@ import numpy as np
 from numcodecs.blosc import Blosc
 from numcodecs.zstd import Zstd
 
+from sheath_manip.dataset.zstd_frame import zstd_told_bytes
+
 Decode = Callable[[bytes, int], bytes]
 """from the content and the number of bytes that are wanted; raises ValueError for any other"""
 
 _LZMA_BYTES = 256 << 20
 """of memory for its dictionary"""
-_ZSTD_FRAME = bytes.fromhex("28b52ffd")
 
 
 def decoder(name: str | None) -> Decode:
@@ -64,20 +65,6 @@ def _zstd(content: bytes, size: int) -> bytes:
     out = np.empty(size, np.uint8)
     Zstd().decode(content, out=out)
     return out.tobytes()
-
-
-def zstd_told_bytes(content: bytes) -> int | None:
-    """Return the size that the first frame tells of, RFC 8878, 3.1.1.1; None where it does not."""
-    if len(content) < 6 or content[:4] != _ZSTD_FRAME:
-        return None
-    descriptor = content[4]
-    flag, single, dictionary = descriptor >> 6, descriptor >> 5 & 1, descriptor & 3
-    if not flag and not single:
-        return None
-    start, length = 5 + (1 - single) + (0, 1, 2, 4)[dictionary], (1, 2, 4, 8)[flag]
-    told = int.from_bytes(content[start : start + length], "little")
-    # A size of two bytes begins to count where that of one ends.
-    return told + 256 if flag == 1 else told
 
 
 def _whole(unpacked: bytes, size: int, ended: bool) -> bytes:

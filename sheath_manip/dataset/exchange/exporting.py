@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sheath_manip.dataset.compatibility import RecordedSpec, remarks
+from sheath_manip.dataset.disk import require_room
 from sheath_manip.dataset.durable import sync_tree
 from sheath_manip.dataset.exchange.formats import writer_of
 from sheath_manip.dataset.exchange.selection import Selection, selected
@@ -12,7 +13,7 @@ from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
-from sheath_manip.files.outputs import require_space, written_aside
+from sheath_manip.files.outputs import written_aside
 from sheath_manip.types import Outcome
 
 
@@ -26,7 +27,7 @@ class Exported:
     """what must be told of episodes that may lie together all the same"""
 
 
-ROOM = 3.0
+ROOM = 3
 """Before an episode is written, that many times its arrays must be free: robomimic holds each
 observation twice, and no compression may be counted on."""
 
@@ -51,7 +52,7 @@ def export(
     def counted(episodes: Iterable[Recorded]) -> Iterator[Recorded]:
         for recorded in episodes:
             # What fails for want of room in the middle of a file may take the process with it.
-            require_space(target.parent, ROOM * _bytes_of(recorded))
+            require_room(target.parent, ROOM * _bytes_of(recorded))
             headers.append(recorded.header)
             yield recorded
             report(recorded.header.outcome)
