@@ -207,13 +207,15 @@ def drawings(monkeypatch) -> list[Figure]:
     return drawn
 
 
-def test_ticks_are_round_and_told_apart(tmp_path, drawings):
+def test_words_fit_and_ticks_are_round_and_told_apart(tmp_path, drawings):
     # Many methods and wide ranges; one method, one round, and ranges of no width.
     for name in ("platformer", "grasp-clutter-recipe"):
         summary = read_summary(Path("results") / name / "summary.json")
         for draw in OF_SUMMARIES.values():
             draw(summary, tmp_path / "figure.png")
     for figure in drawings:
+        for words in figure.texts:
+            assert words.get_window_extent().x1 <= figure.bbox.width
         for axes in figure.axes:
             for axis in (axes.xaxis, axes.yaxis):
                 ticks = axis.get_majorticklocs()
