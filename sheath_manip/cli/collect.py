@@ -9,8 +9,6 @@ from rich.text import Text
 
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
-from sheath_manip.seeding import scene_seed
-from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +39,7 @@ class Collect:
         from sheath_manip.cli.episodes import executor_of, opened, print_figures, run_all
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.drivers import ExpertAlone
+        from sheath_manip.learning.first_episodes import demonstration_info
         from sheath_manip.rollout.request import EpisodeRequest
 
         with opened(task, self.variant) as probe:
@@ -51,7 +50,10 @@ class Collect:
             executor_of(self.workers, self.dashboard) as executor,
         ):
             store = EpisodeStore.create(self.store)
-            infos = [self._info(spec, index) for index in range(self.episodes)]
+            infos = [
+                demonstration_info(spec, self.variant, self.seed, index)
+                for index in range(self.episodes)
+            ]
             held = sum(store.has(info) for info in infos)
             driver = ExpertAlone()
             requests = [EpisodeRequest(task, info, driver) for info in infos]
@@ -63,15 +65,3 @@ class Collect:
         line = f"{counts}; {steps} steps in {self.store}, {held} episodes of them from before"
         session.out.print(Text(line))
         return 0
-
-    def _info(self, spec: TaskSpec, index: int) -> EpisodeInfo:
-        return EpisodeInfo.of(
-            spec,
-            variant=self.variant,
-            seed=scene_seed(Purpose.DEMONSTRATION, self.seed, 0, index),
-            purpose=Purpose.DEMONSTRATION,
-            # Another variant is another scene, though its seed be the same.
-            method="expert" if self.variant == "default" else f"expert-{self.variant}",
-            index=index,
-            run_seed=self.seed,
-        )

@@ -9,7 +9,7 @@ from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
-from sheath_manip.types import Episode, EpisodeInfo, Purpose
+from sheath_manip.types import Episode, EpisodeInfo, Purpose, TaskSpec
 
 
 def demonstrations(
@@ -29,24 +29,25 @@ def demonstrations(
     spec = environment.spec
     environment.close()
     requests = [
-        EpisodeRequest(
-            task,
-            EpisodeInfo.of(
-                spec,
-                variant=variant,
-                seed=scene_seed(Purpose.DEMONSTRATION, seed, 0, index),
-                purpose=Purpose.DEMONSTRATION,
-                # Another variant is another scene, though its seed be the same.
-                method="expert" if variant == "default" else f"expert-{variant}",
-                index=index,
-                run_seed=seed,
-            ),
-            ExpertAlone(),
-        )
+        EpisodeRequest(task, demonstration_info(spec, variant, seed, index), ExpertAlone())
         for index in range(count)
     ]
     with SerialExecutor() as executor:
         return list(executor.map(requests))
+
+
+def demonstration_info(spec: TaskSpec, variant: str, seed: int, index: int) -> EpisodeInfo:
+    """Return the info of the demonstration number `index` of those that follow from `seed`."""
+    return EpisodeInfo.of(
+        spec,
+        variant=variant,
+        seed=scene_seed(Purpose.DEMONSTRATION, seed, 0, index),
+        purpose=Purpose.DEMONSTRATION,
+        # Another variant is another scene, though its seed be the same.
+        method="expert" if variant == "default" else f"expert-{variant}",
+        index=index,
+        run_seed=seed,
+    )
 
 
 def gated_episode(

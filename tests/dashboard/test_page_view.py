@@ -49,6 +49,10 @@ def straight_on() -> Action:
     return np.zeros(1, np.float32)
 
 
+STEPS = 60
+"""of each episode: all of them are encoded for the export"""
+
+
 def slider(page: Page, place: int) -> Locator:
     """Of those to be seen, from above: viser gives them no name."""
     return page.get_by_role("slider").nth(place)
@@ -58,7 +62,7 @@ def slider(page: Page, place: int) -> Locator:
 def store(tmp_path: Path) -> EpisodeStore:
     store = EpisodeStore.create(tmp_path / "store")
     for index in range(2):
-        episode = drive(RingRoad(), 150)
+        episode = drive(RingRoad(), STEPS)
         store.append(replace(episode, info=replace(episode.info, index=index)))
     return store
 
@@ -97,7 +101,7 @@ def test_replay_scrubs_jumps_marks_and_exports(
     page.get_by_text("Policy acts").or_(page.get_by_text("Expert acts")).first.wait_for()
 
     slider(page, 0).press("End")
-    wait_until(lambda: player.now.at == 149 and not player.now.playing, "scrubbing", page)
+    wait_until(lambda: player.now.at == STEPS - 1 and not player.now.playing, "scrubbing", page)
     page.get_by_text("episode over").wait_for()
     slider(page, 0).press("Home")
     wait_until(lambda: player.now.at == 0, "scrubbing back", page)

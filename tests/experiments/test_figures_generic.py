@@ -12,6 +12,8 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from sheath_manip.cli.entry import run_command
+from sheath_manip.cli.session import Catalog
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError, UnknownNameError
@@ -205,13 +207,15 @@ def drawings(monkeypatch) -> list[Figure]:
     return drawn
 
 
-def test_ticks_are_round_and_told_apart(tmp_path, drawings):
+def test_words_fit_and_ticks_are_round_and_told_apart(tmp_path, drawings):
     # Many methods and wide ranges; one method, one round, and ranges of no width.
     for name in ("platformer", "grasp-clutter-recipe"):
         summary = read_summary(Path("results") / name / "summary.json")
         for draw in OF_SUMMARIES.values():
             draw(summary, tmp_path / "figure.png")
     for figure in drawings:
+        for words in figure.texts:
+            assert words.get_window_extent().x1 <= figure.bbox.width
         for axes in figure.axes:
             for axis in (axes.xaxis, axes.yaxis):
                 ticks = axis.get_majorticklocs()
@@ -264,6 +268,23 @@ def test_a_film_to_the_end_of_its_episode_shows_the_last_observation(summary, tm
     with Image.open(path) as film:
         assert film.size[0] >= 720
         assert film.n_frames == window.stop - window.start + 1  # pyright: ignore
+
+
+def test_results_are_drawn_again_from_their_summaries_alone(summary, tmp_path, capsys):
+    def asked() -> int:
+        return run_command(lambda: Catalog({}, {}), ["figures", "--results", str(tmp_path)])
+
+    assert asked() == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    (tmp_path / "toy").mkdir()
+    path = tmp_path / "toy" / "summary.json"
+    path.write_text(json.dumps(summary))
+    assert asked() == 0
+    assert {each.name for each in path.parent.iterdir()} == {path.name, *OF_SUMMARIES}
+    assert (path.parent / summary["talk"]).exists()
+    path.write_text(json.dumps({**summary, "methods": {}}))
+    assert asked() == 2
+    assert "lacks what its figures show" in capsys.readouterr().err
 
 
 def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):

@@ -26,7 +26,7 @@ def film(shown: Intervention, path: Path) -> None:
         )
     )
     frame_ms = 1000 * SLOWER / episode.info.control_rate_hz
-    # These show whoever acts in it.
+    # Together they show all who act in it.
     typical = (0, shown.start - window.start, len(drawn) - 1)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(gif(drawn, frame_ms, typical))

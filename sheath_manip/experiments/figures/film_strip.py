@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -114,7 +115,11 @@ def _score(axes: Axes, shown: Intervention) -> None:
         (expert, EXPERT, "////", "expert acts"),
     ):
         spans = _spans(times, mask, step_s)
-        look = {"facecolor": f"{colour}22", "edgecolor": f"{colour}44", "hatch": hatch}
+        look: dict[str, Any] = {
+            "facecolor": f"{colour}22",
+            "edgecolor": f"{colour}44",
+            "hatch": hatch,
+        }
         for number, (start, stop) in enumerate(spans):
             label = name if number == 0 else None
             axes.axvspan(start, stop, **look, linewidth=0, label=label)

@@ -31,7 +31,7 @@ def redraw(results: Path) -> list[Path]:
         try:
             draw = BENCHMARKS.get(summary["experiment"], _draw_learning)
             written += draw(summary, path.parent)
-        except (KeyError, IndexError, TypeError) as error:
+        except (KeyError, IndexError, TypeError, ValueError) as error:
             raise StoreError(
                 f"{path} lacks what its figures show ({type(error).__name__} {error}); "
                 "run its experiment again"

@@ -22,6 +22,8 @@ WIDTH_PX = 1600
 DPI = 160
 TITLE_PT, TITLE_LETTERS = 14.0, 78
 """of a title, and how many of them fit into WIDTH_PX"""
+BELOW_PT, BELOW_LETTERS = 9.5, 128
+"""the same of the line below it"""
 
 INK, GREY, PALE, PAPER = (
     palette.css(rgb) for rgb in (palette.INK, palette.GREY, palette.PALE, palette.PAPER)
@@ -153,14 +155,15 @@ def legend_below(figure: Figure, axes: Axes) -> None:
 
 def heading(figure: Figure, title: str, below: str) -> None:
     """Write what the figure found, and below it of what."""
-    # What a finding says is as long as its numbers: a longer line is written smaller.
-    size_pt = TITLE_PT * min(1.0, TITLE_LETTERS * figure.bbox.width / WIDTH_PX / len(title))
+    # What is said is as long as its numbers and names: a longer line is written smaller.
+    room = figure.bbox.width / WIDTH_PX
+    size_pt = TITLE_PT * min(1.0, TITLE_LETTERS * room / len(title))
+    below_pt = BELOW_PT * min(1.0, BELOW_LETTERS * room / len(below))
     figure.suptitle(
         f"{capitalised(title)}\n\n", x=0.012, ha="left", fontsize=size_pt, fontweight="bold"
     )
-    figure.text(
-        0.012, 1 - 0.40 * DPI / figure.bbox.height, below, fontsize=9.5, color=GREY, va="top"
-    )
+    top = 1 - 0.40 * DPI / figure.bbox.height
+    figure.text(0.012, top, below, fontsize=below_pt, color=GREY, va="top")
 
 
 def offsets(count: int) -> np.ndarray:

@@ -122,7 +122,8 @@ def gate_map(
         maps.append(np.concatenate([scores, scores[:, :1]], 1) - checkpoint.threshold)
     lowest = float(np.nanpercentile(maps, SHOWN_PERCENTILE))
     highest = float(np.nanmax(maps))
-    norm = TwoSlopeNorm(0.0, min(lowest, -1e-6), max(highest, 1e-6))
+    ends = min(lowest, -1e-6), max(highest, 1e-6)
+    norm = TwoSlopeNorm(0.0, *ends)
     on_road = np.abs(across) <= task.track.road_half_width
     straight = maps[TURNED_DEG.index(0.0)] >= 0
     with drawing(path, height_px=580) as figure:
@@ -158,7 +159,7 @@ def gate_map(
             ScalarMappable(norm, GATE_COLOURS), ax=panels, shrink=0.8, pad=0.01, extend="min"
         )
         # Each side of the threshold has a scale of its own.
-        bar.set_ticks([*_round_inside(norm.vmin), 0.0, *_round_inside(norm.vmax)])
+        bar.set_ticks([*_round_inside(ends[0]), 0.0, *_round_inside(ends[1])])
         bar.set_label("score − threshold\nexpert drives   |   policy drives")
 
 
