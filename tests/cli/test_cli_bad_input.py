@@ -138,7 +138,7 @@ def test_unknown_plan_of_a_benchmark_moves_nothing_aside(benchmark, known, compl
 @pytest.mark.parametrize(
     "argv",
     [
-        (),
+        ("data",),
         ("fly",),
         ("collect", "corridor"),
         ("data", "list"),
