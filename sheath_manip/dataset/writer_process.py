@@ -19,7 +19,6 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.attributes import require_storable
 from sheath_manip.dataset.layout import ArraySpec, layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import require_layout
@@ -132,7 +131,6 @@ def messages(recorded: Recorded) -> Iterator[memoryview]:
     Raises StoreError, before the first, where its arrays are not those of its header.
     """
     header, arrays = recorded.header, recorded.arrays
-    require_storable(header)
     require_layout(header, arrays)
     films = [spec for spec in layout(header) if spec.is_film]
     paths = {spec.path for spec in films}
