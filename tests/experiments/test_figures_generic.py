@@ -26,8 +26,8 @@ from sheath_manip.experiments.figures.style import drawn_methods, quantity, show
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.playback import palette
-from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
-from tests.episodes import episode_of
+from sheath_manip.types import EpisodeInfo, Purpose
+from tests.experiments.interventions import episode
 from tests.experiments.round_results import expert_records_of, results_of
 from tests.toy import CORRIDOR
 
@@ -35,28 +35,6 @@ PLAN = LearningPlan().changed(
     comparison={"seeds": (0, 1), "evaluation_episodes": 6, "final_episodes": 4},
     schedule={"rounds": 3, "episodes": 5},
 )
-
-
-def episode(
-    index: int, actors: str, outcome: Outcome = Outcome.SUCCESS, method: str = "sheath"
-) -> Episode:
-    info = EpisodeInfo("toy", index, Purpose.LEARNING, 10.0, method, 1, index)
-    return episode_of(actors, info=info, outcome=outcome, side_px=40)
-
-
-@pytest.fixture
-def store(tmp_path) -> EpisodeStore:
-    store = EpisodeStore.create(tmp_path / "store")
-    for made in (
-        episode(0, "p" * 20 + "e" * 12 + "p" * 20, Outcome.FAILURE),
-        episode(1, "p" * 20 + "eeee" + "p" * 20),
-        episode(2, "p" * 20 + "eeeepeeee" + "p" * 20),
-        episode(3, "e" * 15 + "p" * 20),
-        episode(4, "p" * 30),
-        episode(5, "p" * 20 + "e" * 16 + "p" * 20, method="random-takeover"),
-    ):
-        store.append(made)
-    return store
 
 
 @pytest.fixture(scope="module")
@@ -291,25 +269,6 @@ def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):
     (next(store.path.glob("learning-sheath-*")) / "zarr.json").write_text("{")
     with pytest.raises(StoreError):
         write_figures(tmp_path, summary, store, names=["film_strip.png"])
-
-
-def test_the_best_intervention_succeeds_between_steps_of_the_policy(store):
-    best = best_intervention(store)
-    assert (best.episode.info.index, best.start, best.stop) == (2, 20, 29)
-    assert best.expert_s == pytest.approx(0.8)
-    assert best.window == slice(14, 35)
-    assert best.episode.steps[0].observation.images["top"].shape == (40, 40, 3)
-
-
-def test_what_differs_within_the_tolerance_is_no_disagreement(store):
-    episode = best_intervention(store).episode
-    spec = CORRIDOR.make("default").spec.action
-    step = replace(episode.steps[0], proposed=spec.maximum)
-    off = spec.maximum - 0.05 * (spec.maximum - spec.minimum)
-    near = replace(episode, steps=(replace(step, labelled=off), replace(step, proposed=None)))
-    assert View().disagreed(near).tolist() == [True, False]
-    assert View(action=replace(spec, tolerance=0.1)).disagreed(near).tolist() == [False, False]
-    assert View(action=replace(spec, tolerance=0.01)).disagreed(near).tolist() == [True, False]
 
 
 def test_the_figures_hold_where_a_method_has_no_colour_and_rounds_no_figures(store, tmp_path):

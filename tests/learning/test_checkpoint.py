@@ -15,13 +15,11 @@ from sheath_manip.learning.checkpoint_file import read_arrays, write_arrays
 from sheath_manip.policies import make_policy
 from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.signals import make_signal
-from sheath_manip.signals.joined import JoinedSignal
 from sheath_manip.support.config import SupportConfig
-from sheath_manip.types import Judgement, Observation, Proposal, Reason
+from sheath_manip.types import Judgement, Observation, Reason
 from sheath_manip.types.samples import Samples
 from tests import buttons
 from tests.blobs import CHOICES, SPEC, fitted_policy, held_out, observation_of, training
-from tests.feature_signal import FeatureSignal
 from tests.looks import fitted_signal, measures_of
 
 CONFIG = GateConfig(
@@ -287,20 +285,6 @@ def test_a_task_with_other_choices(path):
     spec = replace(SPEC, action=replace(SPEC.action, choices=CHOICES[:2]))
     with pytest.raises(CheckpointError, match="does not fit"):
         load_checkpoint(path, spec)
-
-
-def test_to_blame_is_the_signal_that_finds_a_state_rarest_however_often_it_counts(checkpoint):
-    rng = np.random.default_rng(0)
-    signal = JoinedSignal(
-        {"support": FeatureSignal(0, Reason.OUTSIDE), "trust": FeatureSignal(1)},
-        {"support": 1.0, "trust": 4.0},
-    )
-    # What it measures are the two features.
-    signal.calibrate([rng.normal(size=(2000, 2))])
-    joined = replace(checkpoint.fitted, signal=signal)
-    for features, reason in (([-6.0, -2.0], Reason.OUTSIDE), ([0.0, -6.0], Reason.RISK)):
-        observation = Observation({}, np.array(features, np.float32), 0.0)
-        assert joined.judge(observation, Proposal(CHOICES[:1]), np.inf).blames is reason
 
 
 def test_alone_a_support_says_outside_and_what_weighs_the_proposal_says_risk(checkpoint):

@@ -1,0 +1,30 @@
+"""What lies in a store's directory beside its episodes."""
+
+from pathlib import Path
+
+from sheath_manip.dataset.faults import Fault, FaultKind
+from sheath_manip.dataset.marker import MARKER
+from sheath_manip.dataset.marks import is_marks_name
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX, is_episode_name
+from sheath_manip.dataset.rooted_files import kind_of
+
+
+def faults_beside_episodes(store: Path) -> list[Fault]:
+    """Return the leftovers of recordings, and what does not belong into a store's directory."""
+    faults = []
+    for entry in sorted(store.iterdir()):
+        odd = kind_of(entry.lstat())
+        if entry.name.startswith(LEFTOVER_PREFIX):
+            text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
+            faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
+        elif odd:
+            text = f"{odd}, which is not followed; put there what it stands for, or delete it"
+            faults.append(Fault(entry.name, FaultKind.ODD_FILE, text))
+        elif not (
+            entry.name == MARKER
+            or is_marks_name(entry.name)
+            or (entry.is_dir() and is_episode_name(entry.name))
+        ):
+            text = "neither an episode nor the store's own; move it away"
+            faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
+    return faults
