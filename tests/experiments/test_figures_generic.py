@@ -27,6 +27,7 @@ from sheath_manip.experiments.summary import summarise
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.playback import palette
 from sheath_manip.types import EpisodeInfo, Purpose
+from tests.episodes import episode_of
 from tests.experiments.interventions import episode
 from tests.experiments.round_results import expert_records_of, results_of
 from tests.toy import CORRIDOR
