@@ -6,7 +6,7 @@ Each verb is run once to the end. Then it is begun anew in another directory, an
 random moment up to four times: the run itself by KILL, TERM or INT, its process that writes, or one
 of its workers, by KILL. At last it is run to its end, and must have left what the first one did, to
 the byte: all arrays and headers, all checkpoints, all results but the time they took. Prints what
-became of them and writes bench-kills.json; exits with 1 where a run differs, hangs or prints a
+became of them and writes kills.json; exits with 1 where a run differs, hangs or prints a
 traceback.
 
 Runs are forked from this process, in which everything is imported: a kill then falls on what a run
@@ -256,7 +256,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # What each run would import.
     load()
     import_module("sheath_manip.learning.run")
-    path = options.results / "bench-kills.json"
+    path = options.results / "kills.json"
     written = json.loads(path.read_text()) if path.exists() else {}
     lossless = True
     options.results.mkdir(parents=True, exist_ok=True)

@@ -18,7 +18,7 @@ def test_killed_recordings_of_the_toy_task(tmp_path: Path) -> None:
         command, capture_output=True, text=True, timeout=2 * DEADLINE_S, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    written = json.loads((tmp_path / "bench-kills.json").read_text())
+    written = json.loads((tmp_path / "kills.json").read_text())
     found = written["corridor"]["collect"]
     assert (found["kills"], found["hangs"], found["tracebacks"]) == (3, 0, 0)
     assert found["same"] == found["runs"] > 0
