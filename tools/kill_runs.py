@@ -81,6 +81,8 @@ class Killer:
         self._folder = folder
         self._rng = np.random.default_rng(seed)
         self._checkpoint = folder / "checkpoint.npz"
+        self._lasts_s = 0.0
+        """of a run that nothing kills, the last that did not: the machine may have other work"""
 
     def kill(self, what: str, kills: int) -> Kills:
         """Kill runs of one verb so many times."""
@@ -89,12 +91,13 @@ class Killer:
         whole = self._folder / f"{what}-whole"
         began_s = time.monotonic()
         self._finished(what, whole)
-        lasts_s, found, number = time.monotonic() - began_s, Kills(by_victim={}), 0
+        self._lasts_s = time.monotonic() - began_s
+        found, number = Kills(by_victim={}), 0
         while found.kills < kills:
             at = self._folder / f"{what}-{number}"
             number += 1
             for _ in range(min(KILLS_PER_RUN, kills - found.kills)):
-                victim, found = self._killed(what, at, lasts_s, found)
+                victim, found = self._killed(what, at, found)
                 if not victim:
                     break
                 counts = dict(found.by_victim or {})
@@ -128,13 +131,16 @@ class Killer:
         if code != OK:
             raise RuntimeError(f"{what} ended with {code}: {out.read_text()[-2000:]}")
 
-    def _killed(self, what: str, at: Path, lasts_s: float, found: Kills) -> tuple[str, Kills]:
+    def _killed(self, what: str, at: Path, found: Kills) -> tuple[str, Kills]:
         """Begin, and kill at a random moment; return who was killed, or nothing if all was done."""
-        out = at.with_suffix(".txt")
+        out, is_new = at.with_suffix(".txt"), not at.exists()
         process = self._begun(self._line(what, at), out)
-        ends_s = time.monotonic() + float(self._rng.uniform(0, lasts_s))
+        began_s = time.monotonic()
+        ends_s = began_s + float(self._rng.uniform(0, self._lasts_s))
         while time.monotonic() < ends_s:
             if os.waitpid(process, os.WNOHANG) != (0, 0):
+                if is_new:
+                    self._lasts_s = time.monotonic() - began_s
                 return "", found
             time.sleep(0.01)
         victim, sign = str(self._rng.choice(["run", "writer", "worker"], p=[0.6, 0.25, 0.15])), 0

@@ -6,8 +6,10 @@ import queue
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol, TypeVar
 
+from sheath_manip.exceptions import WorkerError
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.interrupts import deaf_children
 from sheath_manip.rollout.threads import single_threaded
@@ -123,6 +125,11 @@ def _run_in_processes(
             finished, pending = wait(pending, return_when=FIRST_COMPLETED)
             for future in finished:
                 pending |= submitted(following(future.result()))
+    except BrokenProcessPool as lost:
+        raise WorkerError(
+            "a worker process was lost, killed or without memory; call again to go on: what it had "
+            "finished is kept"
+        ) from lost
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
