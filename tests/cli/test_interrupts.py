@@ -3,11 +3,20 @@
 import ctypes
 import os
 import signal
+from collections.abc import Iterator
 
 import pytest
 
 from sheath_manip.cli import entry
 from sheath_manip.cli.interrupts import interruptible
+
+
+@pytest.fixture(autouse=True)
+def _heard() -> Iterator[None]:
+    """A shell starts what runs in the background deaf to SIGINT, tests too."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def interrupt() -> None:

@@ -62,7 +62,7 @@ SEEN = Toy(
     {"cameras": {}},
     "no camera",
     {"action": _of_two_choices(blobs.SPEC)},
-    r"2 choices|wanted 2",
+    r"2 choices|shape \(2, ",
 )
 PRESSED = Toy(
     buttons.SPEC,
@@ -71,7 +71,7 @@ PRESSED = Toy(
     {"feature_names": ()},
     "no features",
     {"feature_names": buttons.SPEC.feature_names[:3]},
-    r"wanted \(2, 4\)",
+    r"wanted numbers of shape \(2, 4\)",
 )
 REACHED = Toy(
     reach.SPEC,

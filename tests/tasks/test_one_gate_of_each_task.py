@@ -53,6 +53,10 @@ class Short:
         self.spec: TaskSpec = environment.spec
         self.done = 0
 
+    def __getattr__(self, name: str) -> Any:
+        # What a task's own controllers ask of it.
+        return getattr(self.environment, name)
+
     def reset(self, seed: int) -> Observation:
         self.done = 0
         return self.environment.reset(seed)
