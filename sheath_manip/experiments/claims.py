@@ -64,6 +64,10 @@ def judge(claim: Claim, summary: Summary, source: str) -> Verdict:
     return Verdict(source, claim.name, value, f"{claim.relation} {goal:.4g}", holds)
 
 
+COUNTS = ("bench-faults.json", "bench-kills.json")
+"""Counts of cases, which have no goal of their own: the tools that write them judge them."""
+
+
 def verdicts(results: Path, claims: Mapping[str, Iterable[Claim]]) -> list[Verdict]:
     """Every claim of every experiment that has a summary under `results`, and every bench line."""
     found = []
@@ -72,6 +76,8 @@ def verdicts(results: Path, claims: Mapping[str, Iterable[Claim]]) -> list[Verdi
         for claim in claims.get(path.parent.name, ()):
             found.append(judge(claim, summary, str(path)))
     for path in sorted(results.glob("bench-*.json")):
+        if path.name in COUNTS:
+            continue
         found += [_bench_verdict(name, line, str(path)) for name, line in _read(path).items()]
     if not found:
         raise StoreError(f"{results} holds no result with a claim; run `sheath experiment` first")
