@@ -21,13 +21,13 @@ from sheath_manip.dataset.attributes import (
 from sheath_manip.dataset.content import is_same
 from sheath_manip.dataset.disk import require_room, with_room
 from sheath_manip.dataset.durable import publish_files, sync
+from sheath_manip.dataset.entry_faults import entry_faults
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.group import episode_files
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.marker import MARKER, require_marker, write_marker
+from sheath_manip.dataset.marker import require_marker, write_marker
 from sheath_manip.dataset.marks import (
     Marks,
-    is_marks_name,
     marks_faults,
     marks_path,
     read_marks,
@@ -286,23 +286,7 @@ class EpisodeStore(EpisodeReader):
 
     def entry_faults(self) -> list[Fault]:
         """The leftovers, and what does not belong into the directory."""
-        faults = []
-        for entry in sorted(self.path.iterdir()):
-            odd = kind_of(entry.lstat())
-            if entry.name.startswith(LEFTOVER_PREFIX):
-                text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
-                faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
-            elif odd:
-                text = f"{odd}, which is not followed; put there what it stands for, or delete it"
-                faults.append(Fault(entry.name, FaultKind.ODD_FILE, text))
-            elif not (
-                entry.name == MARKER
-                or is_marks_name(entry.name)
-                or (entry.is_dir() and is_episode_name(entry.name))
-            ):
-                text = "neither an episode nor the store's own; move it away"
-                faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
-        return faults + marks_faults(self.path, set(self.names()))
+        return [*entry_faults(self.path), *marks_faults(self.path, set(self.names()))]
 
     def _directory(self, info: EpisodeInfo) -> Path:
         name = episode_name(info)
