@@ -96,7 +96,7 @@ class EpisodeStore(EpisodeReader):
         name = self._directory(recorded.header.info).name
         if os.path.lexists(self.path / name):
             raise _taken(self.path, name)
-        self._publish(name, self._files(recorded), None)
+        self._publish(name, self._files(recorded))
         return name
 
     def keep(self, recorded: Recorded) -> str:
@@ -105,7 +105,7 @@ class EpisodeStore(EpisodeReader):
         So two processes may record the same run into one store: whichever is first stores it.
         """
         name = self._directory(recorded.header.info).name
-        self._publish(name, self._files(recorded), recorded.header)
+        self._publish(name, self._files(recorded), may_be_there=True)
         return name
 
     def _files(self, recorded: Recorded) -> Iterable[File]:
@@ -128,7 +128,7 @@ class EpisodeStore(EpisodeReader):
         """
         files = source.files(name)
         require_room(self.path, sum(files.values()))
-        self._publish(name, ((file, source.content(name, file)) for file in files), None)
+        self._publish(name, ((file, source.content(name, file)) for file in files))
         self.mark(name, source.marks(name))
 
     def marks(self, name: str) -> Marks:
@@ -165,25 +165,23 @@ class EpisodeStore(EpisodeReader):
         except OSError as error:
             raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
 
-    def _publish(self, name: str, files: Iterable[File], same_as: Header | None) -> None:
+    def _publish(self, name: str, files: Iterable[File], may_be_there: bool = False) -> None:
         """Write `files` into a directory aside, then give it its name.
 
-        Where that is taken, by an episode like the one with the header `same_as`, all is well.
+        Where the very same `may_be_there` under that name and is, all is well.
         """
         aside = self._aside()
         try:
             publish_files(with_room(self.path, files), aside, self.path / name)
         except FileExistsError as error:
-            if same_as is None or not is_same(self.header(name), self._written(aside, name)):
+            written = read_inside(aside, GROUP_FILE, MOST_BYTES)
+            if not may_be_there or not is_same(self.header(name), parse_header(name, written)):
                 raise _taken(self.path, name) from error
         except OSError as error:
             raise StoreError(f"cannot write {name} into {self.path} ({error})") from error
         finally:
             # After a success there is nothing left of that name.
             shutil.rmtree(aside, ignore_errors=True)
-
-    def _written(self, aside: Path, name: str) -> Header:
-        return parse_header(name, read_inside(aside, GROUP_FILE, MOST_BYTES))
 
     def _aside(self) -> Path:
         return self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
@@ -243,22 +241,16 @@ class EpisodeStore(EpisodeReader):
 
     def files(self, name: str) -> Mapping[str, int]:
         """The size in bytes of each file of the episode, by its path in the episode's folder."""
-        return dict(
-            sorted(
-                (path, status.st_size)
-                for path, status in self._entries(name)
-                if stat.S_ISREG(status.st_mode)
-            )
-        )
+        found = self._entries(name)
+        return {path: at.st_size for path, at in found if stat.S_ISREG(at.st_mode)}
 
     def odd_files(self, name: str) -> Mapping[str, str]:
         """What is neither file nor folder in an episode's folder, by its path: such as `a link`."""
-        found = ((path, kind_of(status)) for path, status in self._entries(name))
-        return dict(sorted((path, kind) for path, kind in found if kind))
+        return {path: kind for path, at in self._entries(name) if (kind := kind_of(at))}
 
     def _entries(self, name: str) -> list[tuple[str, os.stat_result]]:
         try:
-            return list(entries(self.path / name))
+            return sorted(entries(self.path / name))
         except OSError as error:
             raise StoreError(f"cannot list {name} in {self.path} ({error})") from error
 
