@@ -12,82 +12,32 @@ come on top of a step and are not counted, so that the share is on the safe side
 
 import argparse
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
 from tools.bench import Line, at_most
+from tools.side import HERE, Side
 
-HERE = Path(__file__).resolve().parents[1]
+STEPS = "steps.py"
 MOST = 1.03
 """of what a step took before"""
 TASKS = ("driving", "gauze-cutting", "grasp-clutter", "platformer")
 TURNS, QUICK_TURNS = 15, 1
 
 
-class Side:
-    """A process that runs an episode whenever it is told to; a checkout's own code runs in it."""
-
-    def __init__(self, checkout: Path, task: str) -> None:
-        environment = os.environ | {
-            "PYTHONPATH": str(checkout),
-            "OMP_NUM_THREADS": "1",
-            "MKL_NUM_THREADS": "1",
-        }
-        self._process = subprocess.Popen(
-            [sys.executable, str(HERE / "tools" / "sides" / "steps.py"), task],
-            env=environment,
-            cwd=checkout,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.whole_s = float(self._answer())
-        """CPU seconds of a step, simulation, cameras and expert included"""
-
-    def loop_s(self) -> float:
-        """CPU seconds of the loop in a step of the same episode as it was recorded."""
-        assert self._process.stdin is not None
-        self._process.stdin.write("run\n")
-        self._process.stdin.flush()
-        return float(self._answer())
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._process.kill()
-        self._process.wait()
-
-    def _answer(self) -> str:
-        assert self._process.stdout is not None
-        line = self._process.stdout.readline()
-        if not line:
-            raise SystemExit(f"{self._process.args} ended; wanted a figure from it")
-        return line
-
-
 def guarded(before: Path, task: str, turns: int) -> Line:
     """How much longer a step takes than before."""
-    with Side(before, task) as theirs, Side(HERE, task) as ours:
-        step_s = min(theirs.whole_s, ours.whole_s)
+    with Side(before, STEPS, task) as theirs, Side(HERE, STEPS, task) as ours:
+        # CPU seconds of a step, simulation, cameras and expert included.
+        step_s = min(theirs.first, ours.first)
         pairs = []
         for turn in range(turns):
             # The second finds the other's caches.
             order = (theirs, ours) if turn % 2 else (ours, theirs)
-            took = {id(side): side.loop_s() for side in order}
+            took = {id(side): side.measured() for side in order}
             pairs.append((took[id(theirs)], took[id(ours)]))
         then_s, now_s = np.median(pairs, axis=0)
         low_s, high_s = np.quantile([now - then for then, now in pairs], [0.25, 0.75])

@@ -11,21 +11,15 @@ they take turns; times are of their CPU on one thread, without their start.
 
 import argparse
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
 from tools.bench import Line, at_least
+from tools.side import HERE, Side
 
-HERE = Path(__file__).resolve().parents[1]
-SIDES = HERE / "tools" / "sides"
 GOALS = {"driving": 2.2, "grasp-clutter": 2.2}
 """by task, how many times as fast a refit shall be"""
 
@@ -44,63 +38,16 @@ class Sizes:
 QUICK = Sizes(3, 3, 1, 1, 1)
 
 
-class Side:
-    """A process that refits whenever it is told to; a checkout's own code runs in it."""
-
-    def __init__(self, checkout: Path, script: str, task: str, sizes: Sizes) -> None:
-        environment = os.environ | {
-            "PYTHONPATH": str(checkout),
-            "OMP_NUM_THREADS": "1",
-            "MKL_NUM_THREADS": "1",
-        }
-        counts = (sizes.demonstrations, sizes.held_out, sizes.check, sizes.visited)
-        self._process = subprocess.Popen(
-            [sys.executable, str(SIDES / script), task, *map(str, counts)],
-            env=environment,
-            cwd=checkout,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        # Ready once its episodes are recorded and its policy is fitted.
-        self.states = int(self._answer())
-
-    def refit_s(self) -> float:
-        """CPU seconds of one refit."""
-        assert self._process.stdin is not None
-        self._process.stdin.write("refit\n")
-        self._process.stdin.flush()
-        return float(self._answer())
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._process.kill()
-        self._process.wait()
-
-    def _answer(self) -> str:
-        assert self._process.stdout is not None
-        line = self._process.stdout.readline()
-        if not line:
-            raise SystemExit(f"{self._process.args} ended; wanted a figure from it")
-        return line
-
-
 def refits(before: Path, task: str, goal: float, sizes: Sizes) -> Line:
     """The ratio of the medians of both sides' refits."""
+    counts = (sizes.demonstrations, sizes.held_out, sizes.check, sizes.visited)
     with (
-        Side(before, "refit_before.py", task, sizes) as theirs,
-        Side(HERE, "refit_now.py", task, sizes) as ours,
+        Side(before, "refit_before.py", task, *counts) as theirs,
+        Side(HERE, "refit_now.py", task, *counts) as ours,
     ):
-        times = [(theirs.refit_s(), ours.refit_s()) for _ in range(sizes.turns)]
+        times = [(theirs.measured(), ours.measured()) for _ in range(sizes.turns)]
         then_s, now_s = np.median(times, axis=0)
-        how = f"{then_s:.2f} s before, {now_s:.2f} s now, {ours.states} training states"
+        how = f"{then_s:.2f} s before, {now_s:.2f} s now, {ours.first:.0f} training states"
         return at_least(then_s / now_s, goal, "times as fast", how)
 
 
