@@ -71,7 +71,7 @@ def _environment() -> jinja2.Environment:
 def _results(results: Path) -> dict[str, Any]:
     """Every result by its name as a template writes it: `grasp_clutter`, `bench_data`."""
     files = {path.parent.name: path for path in results.glob("*/summary.json")}
-    files |= {path.stem: path for path in results.glob("bench-*.json")}
+    files |= {path.stem: path for path in results.glob("*.json")}
     return {
         name.replace("-", "_"): upgraded(json.loads(path.read_text()))
         for name, path in files.items()
