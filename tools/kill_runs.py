@@ -153,8 +153,9 @@ class Killer:
             os.kill(process, sign)
         code = self._ended(process)
         text = out.read_text()
-        expected = {signal.SIGINT: (INTERRUPTED, -signal.SIGINT)}.get(signal.Signals(sign or 9))
-        if "Traceback" in text or (sign == signal.SIGINT and code not in (expected or ())):
+        # It may come when all is done.
+        heard = code in (INTERRUPTED, -signal.SIGINT, OK)
+        if "Traceback" in text or (sign == signal.SIGINT and not heard):
             print(f"{what}, {victim} killed by {sign or 9}: {code} {text[-3000:]}", flush=True)
             found = replace(found, tracebacks=found.tracebacks + 1)
         if code is None:
