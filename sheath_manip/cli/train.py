@@ -142,7 +142,7 @@ class Train(Planned):
             "trained on": f"{len(states)} states of {len(training)} episodes, "
             f"{_outcomes(summaries, training)}",
             "training loss": f"{fit.training_loss:.4f}",
-            "states that the policy may act in": f"{inside:.1%}",
+            "training states above the threshold": f"{inside:.1%}",
             "threshold": f"{gate.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
             f"episodes it was set on; {self.gate.threshold.false_alarm_rate:.1%} asked for",

@@ -17,6 +17,10 @@ from sheath_manip.types import Observations, Proposal
 
 MIDDLE = 0.5
 """share of a layer's sides that lies around the middle of the image"""
+NAMED_BY = "--gate.embedding, --gate.precedent-embedding"
+"""the options that name embeddings"""
+INSTEAD = f"the embedding 'pixels', or 'features' where there is no camera: {NAMED_BY}"
+"""embeddings that do for any policy"""
 CONVOLUTION = "convolution "
 """what the latents of convolution layers are called, and then their number or camera"""
 
@@ -50,8 +54,8 @@ def _layers(proposal: Proposal) -> list[tuple[str, torch.Tensor]]:
 def _refuse(proposal: Proposal, wanted: str) -> NoReturn:
     raise ParameterError(
         "the embedding needs a policy with convolutions to look through, such as "
-        f"{wanted}; this one gives {', '.join(sorted(proposal.latents)) or 'nothing'}: use that "
-        "policy, or the embedding 'pixels'"
+        f"{wanted}; this one gives {', '.join(sorted(proposal.latents)) or 'nothing'}; use that "
+        f"policy, or {INSTEAD}"
     )
 
 
@@ -148,7 +152,7 @@ class ShrunkPixels:
         if not images:
             raise ParameterError(
                 "there is no camera whose pixels could be looked at; wanted a task with one, or "
-                "the embedding 'features'"
+                f"the embedding 'features': {NAMED_BY}"
             )
         return np.concatenate([self._of_camera(images[name]) for name in sorted(images)], axis=1)
 
@@ -187,7 +191,7 @@ class SeenFromTool:
         if "tool images" not in latents:
             raise ParameterError(
                 "an embedding of what is seen from the tool needs the policy egocentric-cnn; "
-                "wanted that policy, or the embedding 'pixels'"
+                f"wanted that policy, or {INSTEAD}"
             )
         shown = Observations(latents["tool images"], latents["tool features"])
         return self.reader(shown, proposal)
