@@ -18,6 +18,7 @@ from sheath_manip.types.samples import Samples
 
 MakePolicy = Callable[..., Policy]
 """called with the task's spec and `seed`"""
+TRAINABLE = ("fit", "predict", "surrogate_losses", "arrays", "load")
 BECAUSE_OF_FIT = "it has a method `fit`, so it is held to TrainablePolicy"
 
 
@@ -62,6 +63,8 @@ def _check_trainable(make: MakePolicy, spec: TaskSpec, samples: Samples) -> None
         return make(spec, seed=0).fit(samples)  # pyright: ignore[reportAttributeAccessIssue]
 
     fresh = make(spec, seed=0)
+    lacking = [name for name in TRAINABLE if not hasattr(fresh, name)]
+    wants(not lacking, f"{type(fresh).__name__} lacks {', '.join(lacking)}")
     wants_stored_hyperparameters(fresh)
     policy = fitted()
     wants(
