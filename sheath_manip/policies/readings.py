@@ -13,12 +13,18 @@ from torch.nn import functional
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.spatial_network import image_points
 from sheath_manip.protocols import Reader, TrainablePolicy
-from sheath_manip.types import Observations, Proposal
+from sheath_manip.types import Observations, Proposal, TaskSpec
 
 MIDDLE = 0.5
 """share of a layer's sides that lies around the middle of the image"""
 CONVOLUTION = "convolution "
 """what the latents of convolution layers are called, and then their number or camera"""
+
+
+NO_CAMERA = (
+    "there is no camera whose pixels could be looked at; wanted a task with one, or "
+    "the embedding 'features'"
+)
 
 
 def numbered_layers(proposal: Proposal) -> list[torch.Tensor]:
@@ -146,10 +152,7 @@ class ShrunkPixels:
         del proposal
         images = observations.images
         if not images:
-            raise ParameterError(
-                "there is no camera whose pixels could be looked at; wanted a task with one, or "
-                "the embedding 'features'"
-            )
+            raise ParameterError(NO_CAMERA)
         return np.concatenate([self._of_camera(images[name]) for name in sorted(images)], axis=1)
 
     def _of_camera(self, images: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -206,6 +209,16 @@ class ThroughAnotherPolicy:
         del proposal
         other = self.policy.predict(observations)
         return np.concatenate([reader(observations, other) for reader in self.readers], axis=1)
+
+
+OF_CAMERAS = (MiddleOfLastLayer, LayerOnGrid, CamerasOnGrid, PointsOfCameras, ShrunkPixels)
+"""readers of what cameras see"""
+
+
+def require_cameras(readers: Iterable[Reader], spec: TaskSpec) -> None:
+    """Raise ParameterError where any of `readers` wants a camera and the task has none."""
+    if not spec.cameras and any(isinstance(each, OF_CAMERAS) for each in readers):
+        raise ParameterError(NO_CAMERA)
 
 
 def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:
