@@ -1,6 +1,6 @@
 """Gate a plain torch policy: a network of one's own, judged by what its layers show.
 
-    python examples/gate_a_torch_policy.py gate_a_torch_policy.png [STEPS OF TRAINING]
+    python examples/gate_a_torch_policy.py [gate_a_torch_policy.png [STEPS OF TRAINING]]
 
 A wrapper hands out two latents by name: the hidden layer, for the support, and the scores of the
 choices, for trust. The network looks once a step. In the picture: start, a takeover, end.
@@ -36,7 +36,8 @@ class Wrapped(Memoryless):
         return (proposal.now != labels).any(1).astype(np.float32)
 
 
-task, path, steps = TASKS["platformer"], sys.argv[1], int((*sys.argv, 300)[2])
+task = TASKS["platformer"]
+path, steps = sys.argv[1:] + ["gate_a_torch_policy.png", "300"][len(sys.argv) - 1 :]
 shown = sheath.demonstrations(task, 6, "one-stage")
 states, held_out = sheath.samples_from(shown[:3]), [sheath.samples_from([e]) for e in shown[3:]]
 choices = task.make("one-stage").spec.action.choices
@@ -45,11 +46,10 @@ layers = torch.nn.Linear(states.features.shape[1], 64), torch.nn.ReLU()
 network = torch.nn.Sequential(*layers, torch.nn.Linear(64, len(choices)))
 adam, seen = torch.optim.Adam(network.parameters(), 3e-3), torch.from_numpy(states.features)
 wanted = torch.from_numpy((states.labels[:, None] == choices).all(2).argmax(1))
-for _ in range(steps):
+for _ in range(int(steps)):
     adam.zero_grad()
     torch.nn.functional.cross_entropy(network(seen), wanted).backward()
     adam.step()
-
 policy = Wrapped(choices, network)
 fit = sheath.fit_gate(policy, states, held_out, GATE, sources=sheath.Sources())
 checkpoint = sheath.Checkpoint(task.name, "wrapped", policy, fit.gate)

@@ -11,10 +11,11 @@ class SheathError(Exception):
 class UnknownNameError(SheathError):
     """A name that is in no table."""
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+    def __init__(self, kind: str, name: str, known: Iterable[str], otherwise: str = "") -> None:
+        """Say what there is, and what is nearest; `otherwise` is said where nothing is near."""
         listed = sorted(known)
         near = get_close_matches(name, listed, n=1)
-        meant = f"; did you mean {near[0]}?" if near else ""
+        meant = f"; did you mean {near[0]}?" if near else otherwise and f"; {otherwise}"
         super().__init__(f"unknown {kind} {name!r}; known: {', '.join(listed)}{meant}")
 
 

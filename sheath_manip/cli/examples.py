@@ -3,7 +3,7 @@
 FIRST_STEPS = """\
 sheath: a robot learns from an expert without first having to fail.
 
-First steps; each line goes on from the one before, the first three take two minutes:
+First steps; each line goes on from the one before, the first three take a minute:
 
   sheath collect driving --episodes 13 --store runs/demos
                         record laps that the scripted expert drives

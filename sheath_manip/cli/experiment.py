@@ -88,6 +88,8 @@ class Experiment(Comparing, Planned):
         for method in plan.comparison.methods:
             method_named(method)
         with self.address.listeners(self.dashboard, spec_of(study.task), session) as listeners:
+            for dashboard in listeners:
+                dashboard.saved_in = f"{runs}, with summary and figures in {results}"
             if self.fresh:
                 move_aside(runs, session)
             run_experiment(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rich.table import Table
 from rich.text import Text
 
+from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.operated import PERSON, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
 from sheath_manip.cli.planned import Planned, asked_policy
@@ -37,6 +38,8 @@ class Learn(Planned):
     """name of the task, as `sheath tasks` lists it"""
     runs: Path
     """directory for the store, the checkpoints and what each round showed"""
+    fresh: bool = False
+    """begin anew and move aside what an earlier run left"""
     expert: str = SCRIPTED
     """expert to learn from: scripted, or a person at the page"""
     demonstrator: str = SCRIPTED
@@ -100,6 +103,7 @@ class Learn(Planned):
             yield ()
             return
         with self.address.dashboard(spec_of(task), session) as page:
+            page.saved_in = str(self.runs)
             yield (page,)
 
     def _run(
@@ -120,15 +124,18 @@ class Learn(Planned):
         policy = asked_policy(self.policy, offered)
         plan = LearningPlan(policy, self.gate, self.schedule, comparison)
         # Only now: torch takes seconds to import.
-        from sheath_manip.cli.episodes import executor_of
+        from sheath_manip.cli.episodes import executor_of, opened
         from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.learning.beforehand import require_learnable
         from sheath_manip.learning.demonstrations import left_out_line
-        from sheath_manip.learning.methods import method_named
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
 
-        method_named(self.method)
+        with opened(task, plan.schedule.variant, self.seed) as probe:
+            require_learnable(probe.spec, plan, comparison.methods)
+        if self.fresh:
+            move_aside(self.runs, session)
         self.runs.mkdir(parents=True, exist_ok=True)
         described = plan.described() | ({"failures": True} if self.failures else {})
         require_same_plan(described, self.runs / "plan.json")

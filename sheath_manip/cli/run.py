@@ -69,6 +69,8 @@ class Run:
             driver = GatedPolicy(self.checkpoint, named, self.expert)
         driver = self.operating.timed(driver, paced=False)
         with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
+            for page in listeners:
+                page.saved_in = self._saved_in
             return self._run(task, session, checkpoint, driver, listeners)
 
     def _with_a_person(self, task: Task, session: Session) -> int:
@@ -83,11 +85,15 @@ class Run:
         with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
-            crew.page.saved_in = "" if self.store is None else str(self.store)
+            crew.page.saved_in = self._saved_in
             driver = crew.driver(adjusting.driver)
             page, *others = crew.listeners
             listeners = (page, UntilReady(crew.cockpit), *others)
             return self._run(crew.operated(), session, checkpoint, driver, listeners)
+
+    @property
+    def _saved_in(self) -> str:
+        return "" if self.store is None else str(self.store)
 
     def _checkpoint(self, task: Task, session: Session) -> "Checkpoint":
         from sheath_manip.cli.episodes import opened

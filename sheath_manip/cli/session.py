@@ -30,6 +30,7 @@ class Catalog:
 LoadCatalog = Callable[[], Catalog]
 """called only by verbs that need a task, since tasks bring their simulator"""
 
+OWN_TASK = "a task of your own needs an entry point: docs/own/task.md"
 PIPED_COLUMNS = 160
 
 
@@ -49,7 +50,7 @@ class Session:
         """Return the task; raises UnknownNameError."""
         tasks = self.catalog().tasks
         if name not in tasks:
-            raise UnknownNameError("task", name, tasks)
+            raise UnknownNameError("task", name, tasks, OWN_TASK)
         return tasks[name]
 
     def runnable(self, name: str) -> Task:

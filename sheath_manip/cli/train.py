@@ -14,7 +14,7 @@ from sheath_manip.cli.options import TaskName, default_is
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.gates.config import GateConfig, planned_signal
+from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.types import Purpose
@@ -74,13 +74,13 @@ class Train(Planned):
         from sheath_manip.dataset.locations import open_store
         from sheath_manip.dataset.mapped import mapped_samples
         from sheath_manip.gates.fitted import Sources
+        from sheath_manip.learning.beforehand import require_makeable
         from sheath_manip.learning.checkpoint import Checkpoint, digest
         from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.learning.keeping import keep
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
-        from sheath_manip.signals import make_signal
         from sheath_manip.types.samples import samples_from
 
         store = open_store(self.store)
@@ -93,8 +93,7 @@ class Train(Planned):
             return make_policy(config.name, spec, seed=self.seed, **config.settings)
 
         # Before the fit, which takes its time, so that a wrong name is told at once.
-        policy = fresh_policy()
-        make_signal(planned_signal(self.gate))
+        require_makeable(spec, config, self.gate)
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
@@ -109,7 +108,7 @@ class Train(Planned):
             )
             calibration = [samples_from(store.learnable([name])) for name in held_out]
         with session.err.status(f"fitting {config.name} to {len(states)} states"):
-            policy.fit(states)
+            policy = fresh_policy().fit(states)
         with session.err.status(f"fitting {self.gate.support.name} on {self.gate.embedding}"):
             fit = fit_gate(
                 policy,
@@ -142,7 +141,7 @@ class Train(Planned):
             "trained on": f"{len(states)} states of {len(training)} episodes, "
             f"{_outcomes(summaries, training)}",
             "training loss": f"{fit.training_loss:.4f}",
-            "states that the policy may act in": f"{inside:.1%}",
+            "training states above the threshold": f"{inside:.1%}",
             "threshold": f"{gate.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
             f"episodes it was set on; {self.gate.threshold.false_alarm_rate:.1%} asked for",

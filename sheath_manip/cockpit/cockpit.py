@@ -87,6 +87,7 @@ class Cockpit:
             abandoned=standing.abandoned,
             unready=standing.unready,
             idle_s=None if idle is None else int(self._clock() - idle),
+            over=standing.closed,
             operator=standing.lease.holder,
         )
 

@@ -24,6 +24,8 @@ class State:
     """whether the run waits for a person before it begins"""
     idle_s: int | None = None
     """since the last episode ended; None while one runs, and before the first"""
+    over: bool = False
+    """whether no run goes on, so that nothing is left to order"""
     turn: Actor = Actor.POLICY
     asking: bool = False
     """whether the robot waits for a person"""

@@ -129,7 +129,9 @@ class Dashboard(Closes):
         self._drawer.wake()
 
     def hold_open(self) -> None:
-        """Keep the page alive until Ctrl-C or `close`."""
+        """Say that the run has ended; keep the page alive until Ctrl-C or `close`."""
+        self.cockpit.close()
+        self._server.say_finished(self.saved_in)
         with contextlib.suppress(KeyboardInterrupt):
             self._closed.wait()
 

@@ -1,13 +1,14 @@
 function (settings) {
   // Sent to each page by the server. Runs again where viser's own connection was lost and is back.
+  const reopened = Boolean(window.sheathOperator);
   window.sheathOperator?.close();
   // viser's own addition to the address, which tells nothing new.
   if (location.search) history.replaceState(null, "", location.pathname);
 
-  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000, silentMs = 2000, frozenMs = 3000;
+  const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000, silentMs = 2000, newMs = 5000, frozenMs = 3000;
   const codes = new Set(settings.codes), held = new Map(), caught = new Set();
   let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now(), beeps = 0, audio = null;
-  let sawMark = 0, heardMs = Date.now(), otherRun = false, finished = false, savedIn = "", padSays = "";
+  let sawMark = 0, heardMs = Date.now(), heard = reopened, missed = 0, otherRun = false, finished = false, savedIn = "", padSays = "";
 
   const banner = document.createElement("div");
   banner.id = "sheath-operator";
@@ -43,7 +44,11 @@ function (settings) {
     if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
   };
   // With the number of the newest stop that was shown: a reset clears no other one.
-  const order = (name) => send({ order: name, ...(state.stops != null && { seen: state.stops }) });
+  // Where nothing runs any longer there is nothing to order, but for what is never refused.
+  const order = (name) => {
+    if (state.over && name !== "emergency-stop") return;
+    send({ order: name, ...(state.stops != null && { seen: state.stops }) });
+  };
 
   const here = `${location.host}${location.pathname.replace(/\/$/, "")}`;
 
@@ -57,6 +62,8 @@ function (settings) {
       finished ||= Boolean(state.finished);
       savedIn ||= state.saved_in ?? "";
       heardMs = Date.now();
+      heard = true;
+      missed = 0;
       show();
     };
     socket.onclose = async () => {
@@ -98,7 +105,14 @@ function (settings) {
     lookedMs = Date.now();
     // The clock that is sent may have stood still meanwhile, and a new connection compares it anew;
     // the right to drive is lost by then in any case.
-    if (slept) { held.clear(); socket?.close(); return; }
+    if (slept) {
+      held.clear();
+      socket?.close();
+      // A page that builds its first scene is busy, and has lost nothing yet.
+      if (!heard) heardMs = lookedMs;
+      return;
+    }
+    missed = lookedMs - heardMs > (heard ? silentMs : newMs) ? missed + 1 : 0;
     show();
     // A page that nobody sees says nothing, and so the robot holds, whatever a car would do.
     if (!state.operated || document.hidden) return;
@@ -156,7 +170,8 @@ function (settings) {
     if (finished)
       return [`FINISHED. The run has ended${savedIn && `, recorded in ${savedIn}`}; you see its last moment.`, GREY];
     if (otherRun) return ["ANOTHER RUN is at this address now. Open the address that it printed.", RED];
-    if (Date.now() - heardMs > silentMs)
+    // Not at the first look: what came while the page itself was busy is heard only after it.
+    if (missed > 1)
       return ["CONNECTION LOST. What you see is the past, and nothing that you press is heard. Trying again.", RED];
     const wait = state.left_s == null || state.paused ? "" : ` The ${state.fallback} acts in ${state.left_s} s.`;
     const alone = state.asking && !state.mine && !state.others;
@@ -187,10 +202,10 @@ function (settings) {
   let shown = "";
   function show() {
     const [text, colour] = words();
-    const now = `${state.operated} ${colour} ${text}`;
+    const now = `${state.operated && !finished} ${colour} ${text}`;
     if (now === shown) return;
     shown = now;
-    stop.style.display = state.operated ? "block" : "none";
+    stop.style.display = state.operated && !finished ? "block" : "none";
     banner.style.display = text ? "block" : "none";
     banner.style.background = colour;
     banner.textContent = text;

@@ -61,6 +61,8 @@ class OperatorSocket:
         self._pages: dict[str, str] = {}
         self._pictures: dict[str, PictureAge] = {}
         self._numbers = count()
+        self._farewell: dict[str, bool | str] = {}
+        """what all pages are told once the run has ended"""
 
     def script(self, page: int) -> str:
         """The JavaScript for viser's page of that number; it alone is told its key."""
@@ -129,7 +131,8 @@ class OperatorSocket:
 
     async def say_finished(self, saved_in: str) -> None:
         """Tell every page that the run has ended, so that none takes it for a lost connection."""
-        news = json.dumps({"finished": True, "saved_in": saved_in})
+        self._farewell = {"finished": True, "saved_in": saved_in}
+        news = json.dumps(self._farewell)
         saying = [connection.send(news) for connection in self._open]
         await asyncio.gather(*saying, return_exceptions=True)
 
@@ -167,7 +170,7 @@ class OperatorSocket:
                 picture = self._pictures.get(station_now())
                 state["picture_s"] = 0.0 if picture is None else _worth_saying(picture.age_s)
                 state["too_old"] = picture is not None and picture.age_s > OLDEST_S
-                news = json.dumps(state)
+                news = json.dumps(state | self._farewell)
                 if news != shown or time.monotonic() - said_s > SAID_AGAIN_S:
                     await connection.send(news)
                     shown, said_s = news, time.monotonic()

@@ -54,7 +54,10 @@ class Replay(Closes):
             SetupError: the port is taken.
         """
         self._catalog = catalog
-        self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", Cockpit())
+        cockpit = Cockpit()
+        # No run is to be paused: what plays is the player's.
+        cockpit.close()
+        self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", cockpit)
         self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
         self.player = Player(film_at, self._drawer.wake, speed, again)
         context = WidgetContext(self._server.viser, spec, self._drawer.wake)

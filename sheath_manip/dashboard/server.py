@@ -5,7 +5,6 @@ import contextlib
 import secrets
 import socket
 import threading
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -55,12 +54,13 @@ class GuardedServer:
         token: str | None,
         label: str,
         cockpit: Cockpit,
-        true_s: Callable[[], float] = time.monotonic,
+        true_s: Callable[[], float] | None = None,
     ) -> "GuardedServer":
         """Listen on `host` and `port` (0: any free one) and build the server on top.
 
         Each page gets the script by which a person operates `cockpit`. `true_s` is up to when what
-        was drawn is true (`time.monotonic`): who drives by what is too old is not heard.
+        was drawn is true (`time.monotonic`): who drives by what is too old is not heard. None is
+        for pages that show nothing of the present.
 
         Raises:
             SetupError: the port is taken, or the host is not one of this machine.
@@ -94,13 +94,17 @@ class GuardedServer:
 
     def close(self, saved_in: str = "") -> None:
         """Say that this is the end, and where it is `saved_in`; end every connection."""
+        self.say_finished(saved_in)
+        with _quiet():
+            self.viser.stop()
+
+    def say_finished(self, saved_in: str) -> None:
+        """Tell the pages, also those that are opened later; wait for it, but not for long."""
         with contextlib.suppress(Exception):
             saying = asyncio.run_coroutine_threadsafe(
                 self.operators.say_finished(saved_in), self.loop
             )
             saying.result(FAREWELL_S)
-        with _quiet():
-            self.viser.stop()
 
 
 def _listen(host: str, port: int) -> socket.socket:
@@ -204,7 +208,7 @@ def _refuse_share(verbose: bool = True) -> NoReturn:  # noqa: ARG001 - viser's s
 
 
 def _give_script(
-    server: viser.ViserServer, operators: OperatorSocket, true_s: Callable[[], float]
+    server: viser.ViserServer, operators: OperatorSocket, true_s: Callable[[], float] | None
 ) -> None:
     sockets, buffer = server._websock_server, server._websock_server.get_message_buffer()
 
@@ -219,11 +223,11 @@ def _give_script(
 
         def taken_s() -> float | None:
             waiting = buffer.message_counter - 1 > buffer.generator_cursors.get(page, -1)
-            return None if waiting else true_s()
+            return None if waiting or true_s is None else true_s()
 
         run(operators.script(page))
         connection: Any = sockets._live_connections.get(page)
-        if connection is not None:
+        if connection is not None and true_s is not None:
             mark = "window.sheathOperator?.saw({})".format
             age = operators.follow_picture(page)
             connection.carry_marks(age, taken_s, lambda number: run(mark(number)))

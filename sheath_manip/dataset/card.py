@@ -26,7 +26,7 @@ _MEANINGS = {
     "query": "the gate asked for a label",
     "actor": "who acts: place in the attribute `actors`",
     "reason": "why: place in the attribute `reasons`",
-    "score": "of the support, positive inside; NaN where there is none",
+    "score": "the signal's, the higher the safer; NaN where there is none",
     "threshold": "the score below which the expert takes over; NaN where there is none",
     "reward": "of the executed action",
     "limited": "by how much each limit (attribute `limits`) changed the command, as a share of the "

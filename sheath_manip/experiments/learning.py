@@ -19,6 +19,7 @@ from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.files.json_files import write_json
+from sheath_manip.learning.beforehand import require_learnable
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.methods import method_named
@@ -97,6 +98,7 @@ def run_experiment(
         follows = method_named(name).share_from
         if follows is not None and follows not in plan.comparison.methods:
             raise ParameterError(f"method {name} follows {follows}: add {follows} to the methods")
+    _require_learnable(task, plan)
     runs.mkdir(parents=True, exist_ok=True)
     require_same_plan(plan.described(), runs / "plan.json")
     EpisodeStore.create(runs / "store")
@@ -118,6 +120,12 @@ def run_experiment(
     for path in (results / "summary.json", *paths):
         console.print(f"  {path}")
     return summary
+
+
+def _require_learnable(task: Task, plan: LearningPlan) -> None:
+    environment = task.make_for_run(plan.schedule.variant, plan.comparison.seeds[0])
+    environment.close()
+    require_learnable(environment.spec, plan, plan.comparison.methods)
 
 
 def _next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:

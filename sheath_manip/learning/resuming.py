@@ -26,7 +26,7 @@ def require_same_plan(settings: Mapping[str, Any], path: Path) -> None:
         )
         raise ParameterError(
             f"{path.parent} holds a run with another {', '.join(names)}; "
-            "resume with the same settings, name another directory, or start it afresh"
+            "resume with the same settings, name another directory, or start it afresh with --fresh"
         )
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.requirements import OWN_POLICY
 from sheath_manip.types import TaskSpec
 
 
@@ -12,7 +13,8 @@ def choices_of(spec: TaskSpec) -> NDArray[np.float32]:
     if spec.action.choices is None or len(spec.action.choices) < 2:
         raise ParameterError(
             f"task {spec.name!r} has no list of admissible actions; "
-            "a classifier needs an ActionSpec with at least two choices"
+            "a classifier needs an ActionSpec with at least two choices. Where actions are "
+            f"continuous, spatial-cnn does with a camera, {OWN_POLICY}"
         )
     return np.asarray(spec.action.choices, dtype=np.float32)
 

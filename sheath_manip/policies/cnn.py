@@ -24,6 +24,7 @@ from sheath_manip.policies.learned_arrays import numbers, require_shapes
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.network import ConvNetwork, shapes_of
 from sheath_manip.policies.reconstruction import reconstruction_loss
+from sheath_manip.policies.requirements import require_camera
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
@@ -89,8 +90,7 @@ class ConvPolicy(Memoryless):
         self.reconstruction_weight = reconstruction_weight
         self.seed = seed
         self.choices = choices_of(spec)
-        if not spec.cameras:
-            raise ParameterError(f"task {spec.name!r} has no camera; an image policy needs one")
+        require_camera(spec)
         self.camera = next(iter(spec.cameras))
         self.network_: ConvNetwork | None = None
         self.fits_ = 0

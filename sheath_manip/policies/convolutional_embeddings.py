@@ -29,6 +29,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.policies.embeddings import ScaledEmbedding
 from sheath_manip.policies.readings import (
+    INSTEAD,
     Latent,
     LayerOnGrid,
     MiddleOfLastLayer,
@@ -116,6 +117,6 @@ def _pooled(policy: TrainablePolicy, name: str, side: int) -> tuple[Reader, ...]
     if not isinstance(policy, ConvPolicy):
         raise ParameterError(
             f"embedding {name} needs a policy with convolutions, cnn or paper-cnn, not "
-            f"{type(policy).__name__}; use the embedding 'pixels'"
+            f"{type(policy).__name__}; use {INSTEAD}"
         )
     return tuple(LayerOnGrid(number, side) for number in range(len(policy.channels)))

@@ -22,6 +22,7 @@ from sheath_manip.policies.choices import (
 )
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
+from sheath_manip.policies.requirements import require_camera
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
@@ -59,8 +60,7 @@ class HogSvm(Memoryless):
         self.penalty = penalty
         self.seed = seed
         self.choices = choices_of(spec)
-        if not spec.cameras:
-            raise ParameterError(f"task {spec.name!r} has no camera; an image policy needs one")
+        require_camera(spec)
         if not 1 <= cell <= side // CELLS_PER_BLOCK or side > MOST_SIDE_PX:
             raise ParameterError(
                 f"side is {side} px and cell {cell} px; wanted at least two cells, and at most "

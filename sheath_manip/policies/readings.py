@@ -13,12 +13,22 @@ from torch.nn import functional
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.spatial_network import image_points
 from sheath_manip.protocols import Reader, TrainablePolicy
-from sheath_manip.types import Observations, Proposal
+from sheath_manip.types import Observations, Proposal, TaskSpec
 
 MIDDLE = 0.5
 """share of a layer's sides that lies around the middle of the image"""
+NAMED_BY = "--gate.embedding, --gate.precedent-embedding"
+"""the options that name embeddings"""
+INSTEAD = f"the embedding 'pixels', or 'features' where there is no camera: {NAMED_BY}"
+"""embeddings that do for any policy"""
 CONVOLUTION = "convolution "
 """what the latents of convolution layers are called, and then their number or camera"""
+
+
+NO_CAMERA = (
+    "there is no camera whose pixels could be looked at; wanted a task with one, or "
+    f"the embedding 'features': {NAMED_BY}"
+)
 
 
 def numbered_layers(proposal: Proposal) -> list[torch.Tensor]:
@@ -50,8 +60,8 @@ def _layers(proposal: Proposal) -> list[tuple[str, torch.Tensor]]:
 def _refuse(proposal: Proposal, wanted: str) -> NoReturn:
     raise ParameterError(
         "the embedding needs a policy with convolutions to look through, such as "
-        f"{wanted}; this one gives {', '.join(sorted(proposal.latents)) or 'nothing'}: use that "
-        "policy, or the embedding 'pixels'"
+        f"{wanted}; this one gives {', '.join(sorted(proposal.latents)) or 'nothing'}; use that "
+        f"policy, or {INSTEAD}"
     )
 
 
@@ -146,10 +156,7 @@ class ShrunkPixels:
         del proposal
         images = observations.images
         if not images:
-            raise ParameterError(
-                "there is no camera whose pixels could be looked at; wanted a task with one, or "
-                "the embedding 'features'"
-            )
+            raise ParameterError(NO_CAMERA)
         return np.concatenate([self._of_camera(images[name]) for name in sorted(images)], axis=1)
 
     def _of_camera(self, images: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -187,7 +194,7 @@ class SeenFromTool:
         if "tool images" not in latents:
             raise ParameterError(
                 "an embedding of what is seen from the tool needs the policy egocentric-cnn; "
-                "wanted that policy, or the embedding 'pixels'"
+                f"wanted that policy, or {INSTEAD}"
             )
         shown = Observations(latents["tool images"], latents["tool features"])
         return self.reader(shown, proposal)
@@ -206,6 +213,16 @@ class ThroughAnotherPolicy:
         del proposal
         other = self.policy.predict(observations)
         return np.concatenate([reader(observations, other) for reader in self.readers], axis=1)
+
+
+OF_CAMERAS = (MiddleOfLastLayer, LayerOnGrid, CamerasOnGrid, PointsOfCameras, ShrunkPixels)
+"""readers of what cameras see"""
+
+
+def require_cameras(readers: Iterable[Reader], spec: TaskSpec) -> None:
+    """Raise ParameterError where any of `readers` wants a camera and the task has none."""
+    if not spec.cameras and any(isinstance(each, OF_CAMERAS) for each in readers):
+        raise ParameterError(NO_CAMERA)
 
 
 def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:

@@ -14,6 +14,7 @@ from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.learned_arrays import numbers, require_shapes
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.network import shapes_of
+from sheath_manip.policies.requirements import require_camera
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
 from sheath_manip.protocols import Arrays
@@ -78,8 +79,7 @@ class SpatialPolicy(Memoryless):
         self.shift_px = shift_px
         self.feature_noise = feature_noise
         self.seed = seed
-        if not spec.cameras:
-            raise ParameterError(f"task {spec.name!r} has no camera; an image policy needs one")
+        require_camera(spec)
         self.network_: SpatialNetwork | None = None
         self.scaling_ = Standardisation()
         self.fits_ = 0

@@ -21,7 +21,7 @@ from typing import final
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.embeddings import ScaledEmbedding
-from sheath_manip.policies.readings import CamerasOnGrid, PointsOfCameras
+from sheath_manip.policies.readings import INSTEAD, CamerasOnGrid, PointsOfCameras
 from sheath_manip.policies.scaling import Scaling
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.protocols import Reader, TrainablePolicy
@@ -74,6 +74,6 @@ def _require_spatial(policy: TrainablePolicy, name: str) -> SpatialPolicy:
     if not isinstance(policy, SpatialPolicy):
         raise ParameterError(
             f"embedding {name} needs a policy with convolutions of every camera, spatial-cnn, not "
-            f"{type(policy).__name__}; use the embedding 'pixels'"
+            f"{type(policy).__name__}; use {INSTEAD}"
         )
     return policy

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.egocentric import EgocentricPolicy
 from sheath_manip.policies.embeddings import ScaledEmbedding
-from sheath_manip.policies.readings import SeenFromTool
+from sheath_manip.policies.readings import INSTEAD, SeenFromTool
 from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
 
@@ -33,7 +33,7 @@ class FromTool:
         if not isinstance(policy, EgocentricPolicy):
             raise ParameterError(
                 "an embedding of what is seen from the tool needs the policy egocentric-cnn, "
-                f"not {type(policy).__name__}; use the embedding 'pixels'"
+                f"not {type(policy).__name__}; use {INSTEAD}"
             )
         inner = self.embedding.attach(policy.inner)
         self._readers = tuple(SeenFromTool(reader) for reader in inner)

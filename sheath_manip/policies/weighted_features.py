@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import numbers
+from sheath_manip.policies.readings import NAMED_BY
 from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
 from sheath_manip.types.seen import Seen
 
@@ -37,7 +38,8 @@ class WeightedFeatures:
         if not isinstance(policy, LooksAtFeatures):
             raise ParameterError(
                 f"{type(policy).__name__} does not say what it makes of each feature; wanted a "
-                "policy with feature_weights(), like linear-svm, or the embedding features"
+                "policy with feature_weights(), like linear-svm, or the embedding 'features': "
+                f"{NAMED_BY}"
             )
         self._policy: LooksAtFeatures = policy
         return ()

@@ -18,10 +18,12 @@ from sheath_manip.types.samples import Samples
 
 MakePolicy = Callable[..., Policy]
 """called with the task's spec and `seed`"""
+TRAINABLE = ("fit", "predict", "surrogate_losses", "arrays", "load")
+BECAUSE_OF_FIT = "it has a method `fit`, so it is held to TrainablePolicy"
 
 
 def check_policy(make: MakePolicy, spec: TaskSpec, samples: Samples | None = None) -> None:
-    """Check a policy on a task's `spec`; what can be fitted is fitted, saved and loaded besides.
+    """Check a policy on a task's `spec`; what has `fit` is held to TrainablePolicy.
 
     Args:
         make: called with `spec` and `seed`, as the members of POLICIES are.
@@ -31,7 +33,10 @@ def check_policy(make: MakePolicy, spec: TaskSpec, samples: Samples | None = Non
     samples = drawn_states(spec) if samples is None else samples
     policy = make(spec, seed=0)
     if hasattr(policy, "fit"):
-        _check_trainable(make, spec, samples)
+        try:
+            _check_trainable(make, spec, samples)
+        except AssertionError as error:
+            raise AssertionError(f"{BECAUSE_OF_FIT}: {error}") from error
         policy = policy.fit(samples)  # pyright: ignore[reportAttributeAccessIssue]
     _check_driving(policy, spec, samples)
 
@@ -58,6 +63,8 @@ def _check_trainable(make: MakePolicy, spec: TaskSpec, samples: Samples) -> None
         return make(spec, seed=0).fit(samples)  # pyright: ignore[reportAttributeAccessIssue]
 
     fresh = make(spec, seed=0)
+    lacking = [name for name in TRAINABLE if not hasattr(fresh, name)]
+    wants(not lacking, f"{type(fresh).__name__} lacks {', '.join(lacking)}")
     wants_stored_hyperparameters(fresh)
     policy = fitted()
     wants(

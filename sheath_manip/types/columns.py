@@ -10,7 +10,9 @@ from sheath_manip.types.spec import Action
 from sheath_manip.types.step import Actor, Reason, Step
 
 ACTORS = tuple(Actor)
+"""in the order of `Columns.actor`, whose numbers are places in it"""
 REASONS = tuple(Reason)
+"""in the order of `Columns.reason`, whose numbers are places in it"""
 WITHOUT_PROPOSAL = (Reason.INVALID_PROPOSAL, Reason.POLICY_FAILED, Reason.TOO_LATE)
 """why somebody acts where a policy that there is has proposed nothing to be executed"""
 IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]

@@ -18,8 +18,11 @@ class Outcome(StrEnum):
     """The outcome of an episode: how it ended, in the task's own terms, or as it was cut short."""
 
     SUCCESS = "success"
+    """the task was done"""
     FAILURE = "failure"
+    """the task ended it as failed"""
     TIME_LIMIT = "time-limit"
+    """neither before the last step"""
     ERROR = "error"
     """something broke down and nobody was left to act: no failure of the task, nothing to learn"""
 
@@ -31,9 +34,13 @@ class Purpose(StrEnum):
     """
 
     DEMONSTRATION = "demonstration"
+    """the expert drives from first to last, to learn from"""
     CALIBRATION = "calibration"
+    """the same, held out to set the threshold"""
     LEARNING = "learning"
+    """under the gate, in a round of learning"""
     EVALUATION = "evaluation"
+    """on scenes that nothing is learned from"""
 
 
 @dataclass(frozen=True)
@@ -74,7 +81,20 @@ class EpisodeInfo:
         checkpoint: str = "",
         session: str = "",
     ) -> Self:
-        """Return the info of an episode of the task of `spec`, in the `variant` that has it."""
+        """Return the info of an episode of the task of `spec`, in the `variant` that has it.
+
+        Args:
+            spec: of the task; gives its name and control rate.
+            variant: of the task.
+            seed: of the scene.
+            purpose: of the recording; `DEMONSTRATION` and `CALIBRATION` are the expert's alone.
+            method: that is learning; empty where none is, as for demonstrations.
+            round: of learning, from 0.
+            index: within its round.
+            run_seed: of the training run.
+            checkpoint: digest of policy and gate; empty where they are from no checkpoint.
+            session: tells recordings by hand of one scene apart; empty for all others.
+        """
         return cls(
             task=spec.name,
             seed=seed,

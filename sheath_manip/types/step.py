@@ -15,7 +15,9 @@ class Actor(StrEnum):
     """Who drives a control step; a gate's decision names one, and the loop asks that one."""
 
     POLICY = "policy"
+    """what was learned"""
     EXPERT = "expert"
+    """who knows what to do, and labels: the task's script, or what stands in its place"""
     OPERATOR = "operator"
     """a person at the controls"""
     FALLBACK = "fallback"
@@ -37,7 +39,9 @@ class Reason(StrEnum):
     DRAWN = "drawn"
     """a random draw decided"""
     INSIDE = "inside support"
+    """the score is not below the threshold: the policy acts"""
     OUTSIDE = "outside support"
+    """the score is below the threshold, since the state is unlike the training states"""
     RISK = "in-support risk"
     """the state is familiar, but not what the policy would do in it"""
     HOLD = "held by hysteresis"
@@ -147,7 +151,8 @@ class GateDecision:
     """ask the expert for a label even though the policy may act"""
     reason: Reason
     score: float = float("nan")
-    """support score, positive inside; NaN where the gate computes none"""
+    """the signal's, the higher the safer: of the support alone positive inside; of joined signals a
+    sum of logarithms, below 0; the threshold decides. NaN where the gate computes none"""
     threshold: float = float("nan")
     """the score below which the expert takes over; NaN where the gate has none"""
     broken: tuple[Breakdown, ...] = ()

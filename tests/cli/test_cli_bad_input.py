@@ -47,7 +47,8 @@ def _train(complaint, made: Path, tmp_path: Path, *options: object) -> str:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_unknown_task(complaint, verb):
-    said = "unknown task 'moon'; known: corridor"
+    own = "a task of your own needs an entry point: docs/own/task.md"
+    said = f"unknown task 'moon'; known: corridor; {own}"
     if verb == "experiment":
         said = "unknown experiment 'moon'; known: corridor, gates, nu"
     assert complaint(verb, "moon", *REST[verb]) == f"sheath: {said}\n"

@@ -40,9 +40,9 @@ def test_help_names_every_verb():
 
 def test_unknown_task_names_the_known_ones(tmp_path):
     done = _call(SHEATH, "collect", "moon", "--store", tmp_path / "store")
-    assert (
-        _complaint(done)
-        == "sheath: unknown task 'moon'; known: driving, gauze-cutting, grasp-clutter, platformer\n"
+    assert _complaint(done) == (
+        "sheath: unknown task 'moon'; known: driving, gauze-cutting, grasp-clutter, platformer; "
+        "a task of your own needs an entry point: docs/own/task.md\n"
     )
 
 

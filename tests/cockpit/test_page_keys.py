@@ -1,5 +1,6 @@
 """Held keys in Chromium that nobody holds any longer, and letters that lie elsewhere."""
 
+import threading
 import time
 from collections.abc import Iterator
 
@@ -9,8 +10,9 @@ from playwright.sync_api import Page
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.access import AccessControl
+from tests.cockpit.operated_corridor import INFO
 from tests.toy import Corridor, teleop
-from tools.chromium import chromium_page, open_dashboard, wait_until
+from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -241,7 +243,15 @@ def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch
     wait_until(lambda: not notice.is_visible(), "connection", opened)
 
     other = opened.context.browser.new_page()  # pyright: ignore[reportOptionalMemberAccess]
+    # A page that is only just built has lost nothing yet, but does not wait for ever.
+    monkeypatch.setattr(served._server.operators, "serve", lambda silent: silent.wait_closed())
     open_dashboard(other, served.address)
+    other.wait_for_function("window.sheathOperator")
+    other.wait_for_timeout(2500)
+    assert "LOST" not in other.locator("#sheath-operator").inner_text()
+    says("CONNECTION LOST", other)
+    monkeypatch.undo()
+    other.reload()
     other.wait_for_function("window.sheathOperator?.state.operated")
     # As a run that was started anew at the same port.
     monkeypatch.setattr(AccessControl, "_has_cookie", lambda *_: False)
@@ -255,12 +265,23 @@ def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch
 def test_the_page_says_that_the_run_has_ended(opened, served):
     opened.reload()
     opened.wait_for_function("window.sheathOperator?.state.operated")
+    pause = opened.get_by_role("button", name="Pause (P)")
+    said = opened.get_by_text("FINISHED. The run has ended, recorded in runs/<b>today</b>; you see")
     # Whatever it is called.
     served.saved_in = "runs/<b>today</b>"
+    served.on_start(Corridor(), INFO)
+    pause.wait_for()
+    holding = threading.Thread(target=served.hold_open, daemon=True)
+    holding.start()
+    said.wait_for()
+    pause.wait_for(state="hidden")
+    assert not opened.locator("#sheath-stop").is_visible()
+    # Also on a page that is opened only now.
+    opened.reload()
+    said.wait_for()
     served.close()
-    opened.get_by_text(
-        "FINISHED. The run has ended, recorded in runs/<b>today</b>; you see"
-    ).wait_for()
+    holding.join(TIMEOUT_S)
+    assert not holding.is_alive()
     opened.wait_for_timeout(2500)
     assert opened.locator("#sheath-operator").inner_text().startswith("FINISHED")
     assert opened.title() == "✓ sheath · corridor"

@@ -181,6 +181,8 @@ def test_convolutions_are_asked_for_in_one_line(name):
     with pytest.raises(ParameterError, match=asked) as caught:
         fitted_embedding(make_embedding(name), fitted_policy("hog-svm"), training())
     assert "\n" not in str(caught.value)
+    if name != "penultimate":  # a signal's latent is no embedding, so that one suggests none
+        assert "'features' where there is no camera: --gate.embedding" in str(caught.value)
 
 
 def test_pixels_need_no_convolutions():

@@ -141,5 +141,24 @@ def test_what_breaks_a_contract_is_told_in_a_sentence():
         def fit(self, samples):
             super().fit(samples)
 
-    with pytest.raises(AssertionError, match="fit must return the policy itself"):
+    with pytest.raises(AssertionError, match=r"^it has a method `fit`.*: fit must return"):
         check_policy(Sloppy, buttons.SPEC)
+
+
+def test_a_plain_policy_with_a_method_fit_is_told_why_more_is_wanted():
+    class Plain:
+        def __init__(self, spec, seed=0):
+            self.spec, self.seed = spec, seed
+
+        def fit(self, epochs):
+            self.epochs = epochs
+
+        def reset(self, rng):
+            self.rng = rng
+
+        def propose(self, observations):
+            return Proposal(np.zeros((len(observations), 1), np.float32))
+
+    said = r"^it has a method `fit`, so it is held to TrainablePolicy: Plain lacks predict, "
+    with pytest.raises(AssertionError, match=said):
+        check_policy(Plain, buttons.SPEC)

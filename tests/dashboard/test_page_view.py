@@ -103,8 +103,18 @@ def test_replay_scrubs_jumps_marks_and_exports(
     slider(page, 0).press("End")
     wait_until(lambda: player.now.at == STEPS - 1 and not player.now.playing, "scrubbing", page)
     page.get_by_text("episode over").wait_for()
+    page.get_by_text(f"step {STEPS} of {STEPS}").wait_for()
+    reads = partial(slider(page, 0).get_attribute, "aria-valuenow")
+    wait_until(lambda: reads() == str(STEPS), "slider at the end", page, 5.0)
     slider(page, 0).press("Home")
     wait_until(lambda: player.now.at == 0, "scrubbing back", page)
+    page.get_by_text(f"step 1 of {STEPS}").wait_for()
+    wait_until(lambda: reads() == "1", "slider at the beginning", page)
+    # Nothing of it is the present, which could be late, or be paused.
+    page.keyboard.press("p")
+    page.wait_for_timeout(300)
+    assert not page.locator("#sheath-operator").is_visible()
+    assert not replay._server.operators._pictures
 
     film = player.now.film
     assert film is not None

@@ -21,6 +21,7 @@ NOT_RUN = {
     r"make ": "CI runs `make test`; tests/cli/test_cli_first_steps.py has `make demo`",
     r"\. \.venv/bin/activate": "the tests run in that environment already",
     r"pip wheel": "tests/wheel",
+    r"python examples/": "tests/test_examples.py",
     r"export AWS_|.*s3://": "wants a server: tests/dataset/test_remote.py has one",
     r"sheath data import (pusht|low_dim)": "files of other projects; "
     "tests/dataset/exchange has such files",

@@ -17,7 +17,8 @@ HEAD = """# Command line
 `sheath VERB --help` prints the same. The verbs `train`, `learn` and `experiment` take their
 defaults from the plan of a task: with the task's name before it, as in `sheath train driving
 --help`, the help prints those values. Bad input is one line and exit code 2, Ctrl-C exit code
-130; what was recorded until then is kept.
+130; what was recorded until then is kept. Where Ctrl-C is the regular end, of `sheath replay`,
+`sheath dashboard` and a page that `--hold` keeps open, the exit code is 0.
 
 `python -m tasks.driving` is the same command for one task, whose name is then left out; from an
 installed wheel it is `python -m sheath_manip.tasks.driving`.

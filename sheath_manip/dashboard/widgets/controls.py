@@ -47,7 +47,9 @@ class Controls:
             "Speed", min=SLOWEST, max=FASTEST, step=0.1, initial_value=1.0, visible=cockpit.paced
         )
         self.episode = gui.add_button_group("Episode", tuple(_EPISODE), visible=operated)
-        gui.add_html(_guide(cockpit), visible=operated)
+        guide = gui.add_html(_guide(cockpit), visible=operated)
+        orders = (self.stop, self.reset, self.take, self.go_on, self.pause, self.step)
+        self._all = (*orders, self.speed, self.episode, guide)
         self._bind(self.stop, lambda _: Order.STOP)
         self._bind(self.reset, lambda _: Order.RESET)
         self._bind(self.take, lambda drawn: Order.HAND_BACK if drawn.taken else Order.TAKE_OVER)
@@ -68,6 +70,10 @@ class Controls:
     def draw(self, snapshot: Snapshot) -> None:  # noqa: ARG002
         """Have each button offer the other of its two."""
         self._drawn = state = self._cockpit.state
+        if state.over:
+            for each in self._all:
+                each.visible = False
+            return
         self.reset.visible = state.stopped
         self.take.label = _take(state)
         self.take.color = "green" if state.taken else "orange"

@@ -80,9 +80,10 @@ class Marking:
 
 
 def _said(marks: Marks, begun: int | None) -> str:
-    lines = [f"steps {start} .. {stop - 1}" for start, stop in marks.bad]
+    # Counted from 1, as in all that the page says.
+    lines = [f"steps {start + 1} .. {stop}" for start, stop in marks.bad]
     if begun is not None:
-        lines.append(f"from step {begun} to … (go on, then '{END}')")
+        lines.append(f"from step {begun + 1} to … (go on, then '{END}')")
     if not lines:
         return note("no bad stretch: all labels of the episode are learned from")
     return f'<div style="{TEXT}">not learned from: {escape(", ".join(lines))}</div>'

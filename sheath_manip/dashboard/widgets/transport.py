@@ -11,13 +11,15 @@ STEPS = {"« 10": -10, "‹ 1": -1, "1 ›": 1, "10 »": 10}
 
 
 class Transport:
-    """Every element only asks the player."""
+    """Every element only asks the player; a person counts steps from 1."""
 
     def __init__(self, context: WidgetContext, player: Player) -> None:
         gui = context.viser.gui
         self._player = player
+        self._overtaken = False
+        """whether a browser may have got an older step after the one that it asked for"""
         self.play = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray")
-        self.scrubber = gui.add_slider("Step", min=0, max=1, step=1, initial_value=0)
+        self.scrubber = gui.add_slider("Step", min=1, max=2, step=1, initial_value=1)
         self.steps = gui.add_button_group("Go", tuple(STEPS))
         self.speed = gui.add_slider(
             "Speed",
@@ -36,7 +38,8 @@ class Transport:
         @self.scrubber.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
-                player.look_at(int(self.scrubber.value))
+                self._overtaken |= player.now.playing
+                player.look_at(int(self.scrubber.value) - 1)
 
         @self.steps.on_click
         async def _(_: viser.GuiEvent) -> None:
@@ -53,10 +56,14 @@ class Transport:
         self.play.label = "Pause" if now.playing else "Play"
         self.play.icon = viser.Icon.PLAYER_PAUSE if now.playing else viser.Icon.PLAYER_PLAY
         self.play.color = "gray" if now.playing else "green"
-        last = max(len(snapshot.trace) - 1, 1)
+        last, at = max(len(snapshot.trace), 2), max(snapshot.at + 1, 1)
         if self.scrubber.max != last:
             self.scrubber.max = last
-        if self.scrubber.value != snapshot.at:
-            self.scrubber.value = max(snapshot.at, 0)
+        if self._overtaken and not now.playing:
+            self._overtaken = False
+            # viser sends no value that it has already, so it is given another one before.
+            self.scrubber.value = at + 1 if at < last else at - 1
+        if self.scrubber.value != at:
+            self.scrubber.value = at
         self._note.content = note(now.note)
         self._note.visible = bool(now.note)

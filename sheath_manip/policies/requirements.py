@@ -1,0 +1,15 @@
+"""What policies of the house want of a task, and what there is where a task has it not."""
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.types import TaskSpec
+
+OWN_POLICY = "or one of your own: --policy.name, docs/own/policy.md"
+
+
+def require_camera(spec: TaskSpec) -> None:
+    """Raise ParameterError where the task has no camera."""
+    if not spec.cameras:
+        raise ParameterError(
+            f"task {spec.name!r} has no camera; an image policy needs one. Where actions are "
+            f"discrete, linear-svm does without, {OWN_POLICY}"
+        )
