@@ -57,7 +57,7 @@ def load_catalog() -> "Catalog":
 def _run(command: Callable[[], int]) -> int:
     """Run a command, whose modules are only now imported; Ctrl-C is one line whenever it comes."""
     one_thread_by_default()
-    # Another thread's command is interrupted by whoever has the main one.
+    # A command in another thread is interrupted by the code that has the main one.
     with suppress(ValueError):
         signal.signal(signal.SIGINT, _interrupt)
     try:

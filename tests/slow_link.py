@@ -1,6 +1,6 @@
 """A slow link before a server of this machine: it takes in all, and hands on so much a second.
 
-As a router or a tunnel with a deep buffer does: whoever sends never notices that it queues.
+As a router or a tunnel with a deep buffer does: the sender never notices that it queues.
 """
 
 import queue

@@ -112,7 +112,7 @@ def _called(
         print(f"sheath: {printable(' '.join(str(error).split()))}", file=sys.stderr)
         return BAD_INPUT
     except MemoryError:
-        # No word of how much: whoever asked for it seldom says.
+        # No word of how much: the error seldom says.
         line = "out of memory; take shorter or fewer episodes, what was recorded is kept"
         print(f"sheath: {line}", file=sys.stderr)
         return BAD_INPUT

@@ -40,7 +40,7 @@ Arrays = Mapping[str, NDArray]
 FRAMES_PER_CHUNK = 64
 """Chunks of single frames take ten times as long to write and compress far worse."""
 MOST_CHUNK_BYTES = 512 << 20
-"""in memory: 64 frames of 2.7 million pixels; whoever reads an episode takes that much at a time"""
+"""in memory: 64 frames of 2.7 million pixels; reading an episode takes that much at a time"""
 MOST_COLUMN_BYTES = 512 << 20
 """in memory, of all arrays together that are no images: half a million steps of a kilobyte"""
 

@@ -1,6 +1,6 @@
 """Files of a folder that others may have written: plain ones only, and none outside the folder.
 
-A link may lead anywhere, and whoever opens a fifo waits until somebody writes to it. Neither is
+A link may lead anywhere, and a reader of a fifo waits until somebody writes to it. Neither is
 followed here nor waited for, whatever else may write into the folder meanwhile.
 """
 

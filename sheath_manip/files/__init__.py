@@ -1,1 +1,1 @@
-"""Files: written whole or not at all, and read within bounds, whoever wrote them."""
+"""Files: written whole or not at all, and read within bounds, wherever they come from."""

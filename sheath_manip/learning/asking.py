@@ -34,7 +34,7 @@ class RunEpisodes:
         supervised: Beside | None = None,
         demonstrated: Beside | None = None,
     ) -> None:
-        """Store what is asked for, of whom, and where it is recorded.
+        """Store what is asked for, who is asked, and where it is recorded.
 
         `supervised` puts a person beside what drives each learning episode, and `demonstrated`
         beside the expert of those before: where the expert is a person at the controls.

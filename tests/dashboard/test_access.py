@@ -231,7 +231,7 @@ def test_serve_is_unwrapped_after_the_start(dashboard: Dashboard) -> None:
         ("::1", "[::1]:81", False),
         ("127.0.0.1", "", False),
         ("0.0.0.0", ":80", False),
-        # A zone is an interface of whoever asks, and free text.
+        # A zone is an interface of the machine that asks, and free text.
         ("0.0.0.0", "[::ffff:127.0.0.1%25eth0]", False),
         ("0.0.0.0", "[fe80::1%eth0]:80", False),
         ("::", "[fe80::1%25<b>]:80", False),
