@@ -1,8 +1,7 @@
 """One digest that binds an episode's header and all its arrays together.
 
 The header tells a digest of each array, of its name, type, shape and content; and one of all that
-it tells, those included. So a reader that opens an episode holds its header against that one digest,
-and
+it tells, those included. So a reader of an episode holds its header against that one digest, and
 each array, once it is decoded, against the header: nothing has to be read for the digest's sake,
 and a value that changed, or an array of another episode, is found. Compression is left out of it.
 """
