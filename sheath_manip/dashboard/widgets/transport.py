@@ -18,6 +18,8 @@ class Transport:
         self._player = player
         self._overtaken = False
         """whether a browser may have got an older step after the one that it asked for"""
+        self._known = 1
+        """what the slider was last put to here, or heard to be put to by a browser"""
         self.play = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray")
         self.scrubber = gui.add_slider("Step", min=1, max=2, step=1, initial_value=1)
         self.steps = gui.add_button_group("Go", tuple(STEPS))
@@ -38,8 +40,9 @@ class Transport:
         @self.scrubber.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
+                self._known = int(self.scrubber.value)
                 self._overtaken |= player.now.playing
-                player.look_at(int(self.scrubber.value) - 1)
+                player.look_at(self._known - 1)
 
         @self.steps.on_click
         async def _(_: viser.GuiEvent) -> None:
@@ -62,8 +65,13 @@ class Transport:
         if self._overtaken and not now.playing:
             self._overtaken = False
             # viser sends no value that it has already, so it is given another one before.
-            self.scrubber.value = at + 1 if at < last else at - 1
-        if self.scrubber.value != at:
-            self.scrubber.value = at
+            self._put(at + 1 if at < last else at - 1)
+        # Another value than the known one came from a browser, and is heard in a moment.
+        if self.scrubber.value == self._known != at:
+            self._put(at)
         self._note.content = note(now.note)
         self._note.visible = bool(now.note)
+
+    def _put(self, step: int) -> None:
+        self._known = step
+        self.scrubber.value = step
