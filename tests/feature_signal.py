@@ -5,7 +5,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.protocols import Agreement, Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Agreement, Arrays, PredictingPolicy, Reader
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types import Reason
 from sheath_manip.types.seen import Seen
@@ -20,7 +20,7 @@ class FeatureSignal(SingleMeasure):
         self.column = column
         self._reason = reason
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         del policy
         return ()
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.policies.looking import look, seen_in
-from sheath_manip.protocols import Reader, Signal, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Reader, Signal
 from sheath_manip.types import Judgement, Observation, Proposal
 from sheath_manip.types.samples import Samples
 from sheath_manip.types.seen import Seen
@@ -28,7 +28,7 @@ class FittedGate:
     """Settings, signal and threshold. The signal is shared, not copied: a later fit changes it."""
 
     config: GateConfig
-    policy: TrainablePolicy
+    policy: PredictingPolicy
     """whose looks the signal judges"""
     signal: Signal | None = None
     """None where nothing reads one: the gate then goes by a schedule, or by a person"""

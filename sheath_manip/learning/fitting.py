@@ -10,7 +10,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import Agreement, Refits, Signal, TrainablePolicy
+from sheath_manip.protocols import Agreement, PredictingPolicy, Refits, Signal
 from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
@@ -53,7 +53,7 @@ class Fit:
 
 
 def looks_of(
-    policy: TrainablePolicy,
+    policy: PredictingPolicy,
     signal: Signal,
     states: Samples,
     calibration: Sequence[Samples],
@@ -70,7 +70,7 @@ def looks_of(
 
 
 def fit_gate(
-    policy: TrainablePolicy,
+    policy: PredictingPolicy,
     states: Samples,
     calibration: Sequence[Samples],
     config: GateConfig,
@@ -105,7 +105,7 @@ def fit_gate(
 
 
 def fit_to_looks(
-    policy: TrainablePolicy,
+    policy: PredictingPolicy,
     signal: Signal,
     looks: Looks,
     config: GateConfig,

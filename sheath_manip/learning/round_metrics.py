@@ -10,7 +10,7 @@ from sheath_manip.learning import theory
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.theory import Bound
 from sheath_manip.policies.looking import look
-from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy
 from sheath_manip.types import Columns, Episode, Proposal
 from sheath_manip.types.samples import Samples, visited_from
 
@@ -63,7 +63,7 @@ def compute_round_metrics(
     )
 
 
-def _losses(policy: TrainablePolicy, columns: Columns) -> NDArray[np.float32]:
+def _losses(policy: PredictingPolicy, columns: Columns) -> NDArray[np.float32]:
     """(T,) how far each recorded proposal is from its label; 1 where it was invalid."""
     losses = np.ones(len(columns), np.float32)
     valid = columns.has_proposed

@@ -35,7 +35,7 @@ from sheath_manip.policies.readings import (
     MiddleOfLastLayer,
     ThroughAnotherPolicy,
 )
-from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Reader
 from sheath_manip.seeding import seed_for
 
 
@@ -43,7 +43,7 @@ from sheath_manip.seeding import seed_for
 class Penultimate(ScaledEmbedding):
     """The network's last layer before the logits, as in the paper; collapses, kept to compare."""
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, hidden[-1])."""
         del policy
         return (Latent("penultimate"),)
@@ -58,7 +58,7 @@ class PooledConvolutions(ScaledEmbedding):
 
     side = 4
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, sum(channels) * 16)."""
         return _pooled(policy, type(self).__name__, self.side)
 
@@ -73,7 +73,7 @@ class RandomConvolutions(ScaledEmbedding):
 
     side = 4
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, sum(channels) * 16)."""
         pooled = _pooled(policy, type(self).__name__, self.side)
         assert isinstance(policy, ConvPolicy)
@@ -90,7 +90,7 @@ class FovealConvolutions(ScaledEmbedding):
     layer is 6x6, these are the 2x2 cells that see 7 m around the car: 128 numbers.
     """
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, channels[-1] * cells)."""
         del policy
         return (MiddleOfLastLayer(),)
@@ -107,13 +107,13 @@ class TwoScaleConvolutions(ScaledEmbedding):
 
     side = 6
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, channels[-1] * cells + channels[0] * 36)."""
         del policy
         return MiddleOfLastLayer(), LayerOnGrid(0, self.side)
 
 
-def _pooled(policy: TrainablePolicy, name: str, side: int) -> tuple[Reader, ...]:
+def _pooled(policy: PredictingPolicy, name: str, side: int) -> tuple[Reader, ...]:
     if not isinstance(policy, ConvPolicy):
         raise ParameterError(
             f"embedding {name} needs a policy with convolutions, cnn or paper-cnn, not "

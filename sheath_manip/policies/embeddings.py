@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies.scaling import Scaling, Standardisation
-from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -19,7 +19,7 @@ class ScaledEmbedding(ABC):
 
     def __init__(self, scaling: Scaling | None = None) -> None:
         self.scaling: Scaling = Standardisation() if scaling is None else scaling
-        self._policy: TrainablePolicy | None = None
+        self._policy: PredictingPolicy | None = None
         self._readers: tuple[Reader, ...] = ()
 
     @property
@@ -28,10 +28,10 @@ class ScaledEmbedding(ABC):
         return self.scaling.uses_displaced
 
     @abstractmethod
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Return what is read of a look; ParameterError where the policy lacks what is needed."""
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read looks of `policy` from now on; return all that is to be read of each."""
         if policy is not self._policy:
             self._policy, self._readers = policy, self.readers(policy)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.policies.embeddings import ScaledEmbedding
 from sheath_manip.policies.readings import ObservedFeatures
-from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -18,7 +18,7 @@ class ScaledFeatures(ScaledEmbedding):
     For features of different units, such as angles beside metres.
     """
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, f)."""
         del policy
         return (ObservedFeatures(),)
@@ -35,7 +35,7 @@ class Features:
 
     uses_displaced = False
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read the features alone."""
         del policy
         return ()

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies.displacement import displaced
-from sheath_manip.protocols import Embedding, Reader, Signal, TrainablePolicy
+from sheath_manip.protocols import Embedding, PredictingPolicy, Reader, Signal
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation, Proposal
 from sheath_manip.types.samples import Samples
@@ -20,7 +20,7 @@ MOST_DISPLACED = 3000
 """more displaced images tell no more, and cost a second a thousand"""
 
 
-def look(policy: TrainablePolicy, samples: Samples, readers: Sequence[Reader] = ()) -> Seen:
+def look(policy: PredictingPolicy, samples: Samples, readers: Sequence[Reader] = ()) -> Seen:
     """Return `samples` as `policy` sees them, with what `readers` take and the surrogate losses."""
     # Features alone are few numbers, and one product over all of them is quickest.
     together = BATCH if samples.images else max(len(samples), 1)
@@ -31,7 +31,7 @@ def look(policy: TrainablePolicy, samples: Samples, readers: Sequence[Reader] = 
     return parts[0] if len(parts) == 1 else _together(parts)
 
 
-def look_to_fit(policy: TrainablePolicy, samples: Samples, to_fit: Signal | Embedding) -> Seen:
+def look_to_fit(policy: PredictingPolicy, samples: Samples, to_fit: Signal | Embedding) -> Seen:
     """Return training states as `policy` sees them, with all that `to_fit` wants to be fitted to.
 
     `to_fit` is attached to the policy by this.
@@ -40,7 +40,7 @@ def look_to_fit(policy: TrainablePolicy, samples: Samples, to_fit: Signal | Embe
 
 
 def look_with_displaced(
-    policy: TrainablePolicy, samples: Samples, readers: Sequence[Reader], displacing: bool
+    policy: PredictingPolicy, samples: Samples, readers: Sequence[Reader], displacing: bool
 ) -> Seen:
     """Return training states as `policy` sees them, with displaced ones if `displacing`."""
     seen = look(policy, samples, readers)
@@ -65,7 +65,7 @@ def seen_in(observation: Observation, proposal: Proposal, readers: Sequence[Read
 
 
 def _looked(
-    policy: TrainablePolicy, samples: Samples, rows: slice, readers: Sequence[Reader]
+    policy: PredictingPolicy, samples: Samples, rows: slice, readers: Sequence[Reader]
 ) -> Seen:
     observations, labels = samples.observations.rows(rows), samples.labels[rows]
     proposal = policy.predict(observations)

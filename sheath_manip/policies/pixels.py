@@ -6,7 +6,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.embeddings import ScaledEmbedding
 from sheath_manip.policies.readings import ShrunkPixels
 from sheath_manip.policies.scaling import Scaling
-from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Reader
 
 
 @final
@@ -33,7 +33,7 @@ class Pixels(ScaledEmbedding):
         self.side = side
         self.middle = middle
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, cameras * 3 side²)."""
         del policy
         return (ShrunkPixels(self.side, self.middle),)

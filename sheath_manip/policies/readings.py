@@ -12,7 +12,7 @@ from torch.nn import functional
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.spatial_network import image_points
-from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Reader
 from sheath_manip.types import Observations, Proposal, TaskSpec
 
 MIDDLE = 0.5
@@ -204,7 +204,7 @@ class SeenFromTool:
 class ThroughAnotherPolicy:
     """What other readers take, side by side, of the same images in another policy's eyes."""
 
-    policy: TrainablePolicy
+    policy: PredictingPolicy
     readers: tuple[Reader, ...]
     """all that is taken of the look, so that the other policy looks once too"""
 

@@ -7,7 +7,7 @@ from typing import Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -20,7 +20,7 @@ class SharedEmbedding:
 
     def __init__(self, embedding: Embedding) -> None:
         self.embedding = embedding
-        self._policy: TrainablePolicy | None = None
+        self._policy: PredictingPolicy | None = None
         self._forget()
 
     @property
@@ -28,7 +28,7 @@ class SharedEmbedding:
         """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read what the embedding reads."""
         if policy is not self._policy:
             self._policy = policy

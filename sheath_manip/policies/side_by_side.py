@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.readings import each_once
-from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -39,7 +39,7 @@ class SideBySide:
         """Whether any part's `fit` needs `Seen.displaced`."""
         return any(embedding.uses_displaced for embedding in self.embeddings.values())
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read for every part; equal readers read once."""
         return each_once(
             reader for embedding in self.embeddings.values() for reader in embedding.attach(policy)

@@ -24,7 +24,7 @@ from sheath_manip.policies.embeddings import ScaledEmbedding
 from sheath_manip.policies.readings import INSTEAD, CamerasOnGrid, PointsOfCameras
 from sheath_manip.policies.scaling import Scaling
 from sheath_manip.policies.spatial_cnn import SpatialPolicy
-from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Reader
 
 
 @final
@@ -34,7 +34,7 @@ class ImagePoints(ScaledEmbedding):
     The policy's own bottleneck, but one that keeps the space: 64 numbers a camera with 32 channels.
     """
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, cameras * 2 channels[-1])."""
         _require_spatial(policy, type(self).__name__)
         return (PointsOfCameras(),)
@@ -58,7 +58,7 @@ class CameraConvolutions(ScaledEmbedding):
         self.side = side
         self.cameras = cameras
 
-    def readers(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, cameras * channels[-1] * side²); ParameterError where there is no such camera."""
         spatial = _require_spatial(policy, type(self).__name__)
         for name in self.cameras:
@@ -70,7 +70,7 @@ class CameraConvolutions(ScaledEmbedding):
         return (CamerasOnGrid(self.side, self.cameras),)
 
 
-def _require_spatial(policy: TrainablePolicy, name: str) -> SpatialPolicy:
+def _require_spatial(policy: PredictingPolicy, name: str) -> SpatialPolicy:
     if not isinstance(policy, SpatialPolicy):
         raise ParameterError(
             f"embedding {name} needs a policy with convolutions of every camera, spatial-cnn, not "

@@ -10,7 +10,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.egocentric import EgocentricPolicy
 from sheath_manip.policies.embeddings import ScaledEmbedding
 from sheath_manip.policies.readings import INSTEAD, SeenFromTool
-from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -28,7 +28,7 @@ class FromTool:
         self.embedding = embedding
         self._readers: tuple[Reader, ...] = ()
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read looks of `policy`; ParameterError where that is not egocentric."""
         if not isinstance(policy, EgocentricPolicy):
             raise ParameterError(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.readings import NAMED_BY
-from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -33,7 +33,7 @@ class WeightedFeatures:
 
     uses_displaced = False
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Weigh as `policy` does; ParameterError where it does not tell."""
         if not isinstance(policy, LooksAtFeatures):
             raise ParameterError(

@@ -1,12 +1,21 @@
 """The few interfaces: what a task, expert, policy, support, gate and listener must offer."""
 
-from sheath_manip.protocols.acting import Expert, Follows, HasOwnFrame, Policy, TakesOver, Teleop
+from sheath_manip.protocols.acting import (
+    Expert,
+    Follows,
+    HasOwnFrame,
+    Policy,
+    Replans,
+    TakesOver,
+    Teleop,
+)
 from sheath_manip.protocols.environment import Environment, Holds
 from sheath_manip.protocols.judging import Gate, Judge
 from sheath_manip.protocols.learning import (
     Agreement,
     Arrays,
     Embedding,
+    PredictingPolicy,
     Reader,
     Refits,
     Signal,
@@ -29,8 +38,10 @@ __all__ = [
     "Keeps",
     "Listener",
     "Policy",
+    "PredictingPolicy",
     "Reader",
     "Refits",
+    "Replans",
     "Report",
     "Signal",
     "SupportEstimator",

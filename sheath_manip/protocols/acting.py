@@ -83,6 +83,18 @@ class Policy(Protocol):
 
 
 @runtime_checkable
+class Replans(Protocol):
+    """A policy that plans several steps at once, such as a chunk of actions, and acts on the plan.
+
+    A plan of before somebody else acted is for a state that never came.
+    """
+
+    def replan(self) -> None:
+        """Forget the plan: the last action was not its own. Called before the next `propose`."""
+        ...
+
+
+@runtime_checkable
 class HasOwnFrame(Protocol):
     """A policy that sees and acts in a frame of its own, in which alone actions compare."""
 

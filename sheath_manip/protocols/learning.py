@@ -20,12 +20,8 @@ Agreement = Callable[[], NDArray[np.bool_]]
 have not seen them (`policies.agreement`); it takes long, so it is called only where needed"""
 
 
-class TrainablePolicy(Policy, Protocol):
-    """A policy that this framework can fit, save and load."""
-
-    def fit(self, samples: Samples) -> Self:
-        """Fit to the labels of `samples`, continuing from the present parameters, if any."""
-        ...
+class PredictingPolicy(Policy, Protocol):
+    """A policy that a gate can be fitted around: it looks at many recorded states at once."""
 
     def predict(self, observations: Observations) -> Proposal:
         """Look at n states that have nothing to do with each other; nothing is drawn or kept.
@@ -37,6 +33,14 @@ class TrainablePolicy(Policy, Protocol):
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """Return (n,) losses in 0..1: how far each predicted action is from its (n, a) label."""
+        ...
+
+
+class TrainablePolicy(PredictingPolicy, Protocol):
+    """A policy that this framework can fit, save and load."""
+
+    def fit(self, samples: Samples) -> Self:
+        """Fit to the labels of `samples`, continuing from the present parameters, if any."""
         ...
 
     def arrays(self) -> Arrays:
@@ -68,7 +72,7 @@ class Embedding(Protocol):
         """Whether `fit` needs `Seen.displaced`."""
         ...
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read looks of `policy` from now on; return all that is to be read of each.
 
         Raises ParameterError where it lacks what is needed.
@@ -134,7 +138,7 @@ class Signal(Protocol):
         """Whether `fit` needs `Seen.displaced`."""
         ...
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Judge looks of `policy` from now on; return all that is to be read of each."""
         ...
 

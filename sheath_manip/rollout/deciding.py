@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from sheath_manip.exceptions import ActionError
-from sheath_manip.protocols import Follows, Gate, Policy
+from sheath_manip.protocols import Follows, Gate, Policy, Replans
 from sheath_manip.rollout.checking import kept_proposal, shown_to_policy
 from sheath_manip.rollout.guard import LATE, BrokenError, Foreign
 from sheath_manip.rollout.watch import present_watch
@@ -29,11 +29,18 @@ class GuardedPolicy:
         self.policy = policy
         self.spec = spec
         self._follows = isinstance(policy, Follows)
+        self._replans = isinstance(policy, Replans)
+        self._interrupted = False
         self._foreign = Foreign(POLICY)
 
     def reset(self, rng: np.random.Generator) -> None:
         """Begin an episode; a policy that cannot proposes nothing in it."""
+        self._interrupted = False
         self._foreign.begin(self.policy.reset, rng)
+
+    def interrupt(self) -> None:
+        """Note that somebody else acts in this step: what the policy planned is void."""
+        self._interrupted = True
 
     def propose(self, observation: Observation) -> tuple[Proposal | None, Breakdown | None]:
         """Look at an observation: what may be executed, else what broke down.
@@ -50,6 +57,9 @@ class GuardedPolicy:
         return proposal, None
 
     def _propose(self, observation: Observation) -> Proposal:
+        interrupted, self._interrupted = self._interrupted, False
+        if interrupted and self._replans:
+            self.policy.replan()  # pyright: ignore[reportAttributeAccessIssue]
         if self._follows:
             self.policy.follow(observation)  # pyright: ignore[reportAttributeAccessIssue]
         return kept_proposal(self.policy.propose(shown_to_policy(observation)), self.spec)

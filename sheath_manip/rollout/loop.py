@@ -46,8 +46,8 @@ def rollout(
     The policy looks once and proposes, the gate judges that proposal and decides who acts and
     whether a label is asked for, and the one who acts is asked at most once a step: the expert, or
     of the `others` the operator, the fallback controller, or the one that holds the robot. Who
-    `Follows` sees every step, and who `TakesOver` is told when its turn begins: this is the one
-    place in which a turn starts.
+    `Follows` sees every step, who `TakesOver` is told when its turn begins, and a policy that
+    `Replans` that somebody else acted: this is the one place in which a turn starts.
 
     Whatever fails, somebody acts who can: in place of a policy or gate that raises, says rubbish or
     is late the expert, else the fallback controller, else `hold`; docs/reliability.md has the whole
@@ -118,6 +118,8 @@ def _step(
     labelled = None
     if decision.actor is not Actor.POLICY:
         decision, labelled = actors.act(decision, observation)
+        if policy is not None:
+            policy.interrupt()
     else:
         actors.policy_acts()
         if decision.query:

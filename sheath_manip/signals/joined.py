@@ -17,7 +17,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.readings import each_once
-from sheath_manip.protocols import Agreement, Arrays, Reader, Refits, Signal, TrainablePolicy
+from sheath_manip.protocols import Agreement, Arrays, PredictingPolicy, Reader, Refits, Signal
 from sheath_manip.types import Reason
 from sheath_manip.types.seen import Seen
 
@@ -85,7 +85,7 @@ class JoinedSignal:
         """Whether any signal's `fit` needs `Seen.displaced`."""
         return any(signal.uses_displaced for signal in self.signals.values())
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read for every signal; equal readers read once."""
         return each_once(
             reader for signal in self.signals.values() for reader in signal.attach(policy)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
-from sheath_manip.protocols import Arrays, Embedding, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
@@ -44,7 +44,7 @@ class LabelledStates:
         self.embedding = embedding
         self.tolerance = tolerance
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read what the embedding reads."""
         return self.embedding.attach(policy)
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies.readings import Latent
-from sheath_manip.protocols import Agreement, Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Agreement, Arrays, PredictingPolicy, Reader
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Seen
 
@@ -25,7 +25,7 @@ class MarginSignal(SingleMeasure):
 
     uses_displaced = False
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read how the policy ranks its choices."""
         del policy
         return (CHOICE_SCORES,)

@@ -18,8 +18,8 @@ from sheath_manip.protocols import (
     Arrays,
     Embedding,
     HasOwnFrame,
+    PredictingPolicy,
     Reader,
-    TrainablePolicy,
 )
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Seen
@@ -52,7 +52,7 @@ class NearPrecedentSignal(SingleMeasure):
         """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read what the embedding reads; compare actions in the policy's own frame, if any."""
         self._frame = policy if isinstance(policy, HasOwnFrame) else None
         return self.embedding.attach(policy)

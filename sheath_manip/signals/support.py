@@ -11,9 +11,9 @@ from sheath_manip.protocols import (
     Agreement,
     Arrays,
     Embedding,
+    PredictingPolicy,
     Reader,
     SupportEstimator,
-    TrainablePolicy,
 )
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types import Reason
@@ -34,7 +34,7 @@ class SupportSignal(SingleMeasure):
         """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read what the embedding reads."""
         return self.embedding.attach(policy)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Agreement, Arrays, Embedding, Reader, TrainablePolicy
+from sheath_manip.protocols import Agreement, Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Seen
@@ -49,7 +49,7 @@ class TrustSignal(SingleMeasure):
         """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.states.embedding.uses_displaced
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read what the embedding reads."""
         return self.states.attach(policy)
 

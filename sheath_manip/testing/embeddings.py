@@ -5,13 +5,13 @@ from collections.abc import Callable
 import numpy as np
 
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import Embedding, TrainablePolicy
+from sheath_manip.protocols import Embedding, PredictingPolicy
 from sheath_manip.testing.sentences import wants, wants_arrays, wants_close, wants_equal
 from sheath_manip.types.samples import Samples
 
 
 def check_embedding(
-    make: Callable[[], Embedding], policy: TrainablePolicy, samples: Samples
+    make: Callable[[], Embedding], policy: PredictingPolicy, samples: Samples
 ) -> None:
     """Check an embedding of a fitted `policy` on `samples`, that the policy was fitted to.
 

@@ -5,13 +5,13 @@ from collections.abc import Callable
 import numpy as np
 
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import Signal, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Signal
 from sheath_manip.testing.sentences import wants, wants_arrays, wants_close, wants_equal
 from sheath_manip.types import Reason
 from sheath_manip.types.samples import Samples
 
 
-def check_signal(make: Callable[[], Signal], policy: TrainablePolicy, samples: Samples) -> None:
+def check_signal(make: Callable[[], Signal], policy: PredictingPolicy, samples: Samples) -> None:
     """Check a signal of a fitted `policy`; `samples`, that it was fitted to, want 2 episodes.
 
     `make` gives a fresh signal, such as `lambda: make_signal(choice)`.

@@ -91,3 +91,25 @@ def test_a_chunk_whose_present_action_is_none_hands_the_step_to_the_expert():
     steps = run(SupportGate(Remembering(), -9.0), Broken(), Scripted(lambda _: CHOICES[1])).steps
     assert {step.decision.reason for step in steps} == {Reason.INVALID_PROPOSAL}
     assert {step.decision.actor for step in steps} == {Actor.EXPERT}
+
+
+class Planning(InChunks):
+    """Tells how often it has heard that its plan is void."""
+
+    def reset(self, rng: np.random.Generator) -> None:
+        super().reset(rng)
+        self.heard = 0
+
+    def replan(self) -> None:
+        self.heard += 1
+        self.left = self.left[:0]
+
+
+def test_a_plan_is_void_once_somebody_else_has_acted():
+    policy, judge = Planning(), Remembering()
+    expert = Scripted(lambda _: CHOICES[1])
+    steps = run(
+        SupportGate(judge, 0.0), policy, expert, environment=Corridor(steps=60), seed=1
+    ).steps
+    others = [step.decision.actor is not Actor.POLICY for step in steps]
+    assert 0 < sum(others[:-1]) == policy.heard

@@ -14,7 +14,7 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import IMAGE_EMBEDDINGS, POLICIES, make_embedding
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.protocols import Reader, TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, Reader
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.signals import make_signal
 from sheath_manip.signals.support import SupportSignal
@@ -138,7 +138,7 @@ class Blind:
 
     uses_displaced = False
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         del policy
         return ()
 

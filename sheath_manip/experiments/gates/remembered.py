@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.policies import make_embedding
-from sheath_manip.protocols import Arrays, Embedding, Reader, Signal, TrainablePolicy
+from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader, Signal
 from sheath_manip.signals import SignalChoice, make_signal
 from sheath_manip.types.seen import Seen
 
@@ -25,7 +25,7 @@ class Remembered:
         """Whether the embedding's `fit` needs `Seen.displaced`."""
         return self.embedding.uses_displaced
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read what the embedding reads."""
         return self.embedding.attach(policy)
 

@@ -4,7 +4,7 @@ from typing import Self
 
 import numpy as np
 
-from sheath_manip.protocols import Arrays, Reader, TrainablePolicy
+from sheath_manip.protocols import Arrays, PredictingPolicy, Reader
 from sheath_manip.types.seen import Seen
 
 
@@ -13,7 +13,7 @@ class Squares:
 
     uses_displaced = False
 
-    def attach(self, policy: TrainablePolicy) -> tuple[Reader, ...]:
+    def attach(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """Read the features alone."""
         del policy
         return ()
