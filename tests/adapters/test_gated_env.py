@@ -35,6 +35,7 @@ class Says:
         return said
 
 
+FLAT = np.zeros(3, np.float32)
 POLICY = GateDecision(Actor.POLICY, False, Reason.INSIDE, 1.5, 0.5)
 EXPERT = GateDecision(Actor.EXPERT, True, Reason.OUTSIDE, 0.25, 0.5)
 LABEL = GateDecision(Actor.POLICY, True, Reason.INSIDE, 1.5, 0.5)
@@ -49,7 +50,7 @@ def test_the_gate_judges_what_is_stepped_and_the_info_says_what_came_of_it():
     env.reset(seed=4)
     told = []
     for _ in range(3):
-        wanted = env.unwrapped.expert()
+        wanted = env.task_env.expert()
         _, _, _, _, info = env.step(0)
         told.append((info, wanted))
     (first, _), (second, by_expert), (third, label) = told
@@ -80,14 +81,14 @@ def test_it_takes_the_same_steps_as_the_one_loop(made):
         expert=MiddleKeeper(environment),
     )
     env = gated(found)
-    env.reset(seed=seed)
+    seen, told = env.reset(seed=seed)
     for step in episode.steps:
-        proposed = found.policy.propose(env.unwrapped.present.alone)
-        seen, reward, _, _, told = env.step(env.unwrapped.spaces.shown(proposed.now[0]))
+        proposed = found.policy.propose(env.task_env.present.alone)
+        seen, reward, _, _, told = env.step(env.task_env.spaces.shown(proposed.now[0]))
         assert told["actor"] == step.decision.actor
         assert told["score"] == pytest.approx(step.decision.score, nan_ok=True, abs=1e-12)
         assert (told["threshold"], reward) == (step.decision.threshold, step.reward)
-        assert env.unwrapped.spaces.taken(told["executed"]) == step.executed
+        assert env.task_env.spaces.taken(told["executed"]) == step.executed
     assert len({step.decision.actor for step in episode.steps}) == 2
     assert np.array_equal(seen["features"], episode.final_observation.features)
     assert (told["outcome"], told["metrics"]) == (str(episode.outcome), episode.metrics)
@@ -111,7 +112,7 @@ def test_latents_come_with_a_proposal_or_from_the_policy_that_the_gate_was_fitte
     bare = GatedEnv(to_gymnasium(CORRIDOR), found.gate())
     env.reset(seed=2)
     bare.reset(seed=2)
-    look = found.policy.propose(env.unwrapped.present.alone)
+    look = found.policy.propose(env.task_env.present.alone)
     # The action that is judged is the learner's, whoever looked.
     action = np.array([[0.3]], np.float32)
     by_hand = bare.step(Proposal(action, look.latents))[4]
@@ -144,11 +145,11 @@ def test_what_cannot_work_is_a_line():
         env.step(0)
 
 
-@pytest.mark.parametrize("rubbish", [7, None, "left", np.array([np.nan]), Proposal(np.zeros(3))])
+@pytest.mark.parametrize("rubbish", [7, None, "left", np.array([np.nan]), Proposal(FLAT)])
 def test_in_place_of_what_is_no_action_the_expert_acts(rubbish):
     env = gated(Says(POLICY))
     env.reset(seed=0)
-    wanted = env.unwrapped.expert()
+    wanted = env.task_env.expert()
     told = env.step(rubbish)[4]
     assert (told["actor"], told["reason"]) == ("expert", "invalid proposal")
     assert (told["proposed"], told["executed"]) == (None, wanted)
@@ -184,7 +185,8 @@ def test_another_controller_of_the_task_is_named_in_the_experts_place():
 
 def test_wrappers_in_between_have_their_say():
     inner = gymnasium.wrappers.TimeLimit(to_gymnasium(CORRIDOR), 3)
-    env = GatedEnv(gymnasium.wrappers.TransformReward(inner, lambda r: 10 * r), Says(POLICY))
+    tenfold = gymnasium.wrappers.TransformReward(inner, lambda reward: 10 * float(reward))
+    env = GatedEnv(tenfold, Says(POLICY))
     env.reset(seed=0)
     steps = [env.step(1) for _ in range(3)]
     assert {step[1] for step in steps} == {10.0}
