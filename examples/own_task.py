@@ -1,8 +1,7 @@
 """A task of one's own in one file, without a simulator: checked, then driven by its expert.
 
     python examples/own_task.py [own_task.png]
-
-A package's [project.entry-points."sheath.tasks"] with `cart = "own_task:CART"` gives it its name.
+    sheath collect examples/own_task.py:CART --store runs/carts
 """
 
 import sys
