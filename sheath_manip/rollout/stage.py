@@ -31,6 +31,10 @@ class Stage:
         """Start the episode that belongs to `seed`."""
         return ask(ENVIRONMENT, self._reset, seed)
 
+    def restore(self, state: NDArray[np.float64]) -> Observation:
+        """Continue from a state of the episode that was started."""
+        return ask(ENVIRONMENT, self._restore, state)
+
     def state(self) -> NDArray[np.float64]:
         """(s,) the simulator's state."""
         return ask(ENVIRONMENT, self._state)
@@ -54,6 +58,10 @@ class Stage:
 
     def _reset(self, seed: int) -> Observation:
         return kept_observation(self.environment.reset(seed), self.spec)
+
+    def _restore(self, state: NDArray[np.float64]) -> Observation:
+        # A copy, which it may change as it likes.
+        return kept_observation(self.environment.restore(state.copy()), self.spec)
 
     def _state(self) -> NDArray[np.float64]:
         kept = kept_state(self.environment.state(), self._state_size)
