@@ -31,16 +31,17 @@ class TakeoversPlan:
     """of training runs"""
     rounds: tuple[int, ...] = (0, 1, 2, 4)
     """after which a policy is watched over: the fewer, the worse it is"""
-    failing: int = 16
+    failing: int = 10
     """scenes of a lot in which the policy alone does not succeed"""
-    succeeding: int = 3
+    succeeding: int = 2
     """scenes of a lot in which it does, to see what a gate breaks"""
-    most: int = 100
+    most: int = 70
     """scenes of a lot on which the policy is tried alone, at most"""
     tuning_share: float = 0.4
     """of those numbers, for the tuning lot"""
-    signals: tuple[str, ...] = ("default", "precedent", "support")
-    """that gates judge by: the task's own, its precedents alone, its support alone"""
+    signals: tuple[str, ...] = ("default", "precedent")
+    """that gates judge by: `default` is the task's own, `precedent` its precedents alone; others by
+    name"""
     turns_s: tuple[float, ...] = (0.5, 1.0)
     """shortest turns of the expert that are tried"""
     levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.01, 0.04, 0.12)
