@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sheath_manip.exceptions import StoreError
+from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.experiments.takeovers.plan import TAKEOVERS, TUNING, TakeoversPlan
 from sheath_manip.experiments.takeovers.trial import (
     Trial,
@@ -64,6 +64,11 @@ def choose(policies: Sequence[Watched]) -> dict[str, GateChoice]:
     """Return the gate of each target: of each axis the kind that fails least over its targets."""
     plan = policies[0].plan
     tuned = {kind: _tuned(policies, *kind) for kind in kinds(plan)}
+    if not any(trials for by_level in tuned.values() for trials in by_level.values()):
+        raise ParameterError(
+            f"no policy of {policies[0].study.name} fails alone on a tuning scene, so there is "
+            "nothing to choose a gate by; wanted fewer demonstrations, or more scenes (`most`)"
+        )
     chosen: dict[str, GateChoice] = {}
     for axis in dict.fromkeys(axis for axis, _ in plan.targets()):
         values = [value for named, value in plan.targets() if named == axis]
