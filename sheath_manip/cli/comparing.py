@@ -17,7 +17,8 @@ class Comparing:
     """An experiment on the command line: which one, how large, and where it lies."""
 
     task: TaskName
-    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates` or `nu`"""
+    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates`, `nu`
+    or `takeovers`"""
     plan: str = "full"
     """name of the plan of settings, as `sheath tasks` lists it; each keeps apart from the full
     one"""

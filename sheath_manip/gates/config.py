@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.signals import SignalChoice
 from sheath_manip.support import support_hyperparameters
 from sheath_manip.support.config import SupportConfig, ThresholdConfig
@@ -17,6 +18,7 @@ USED = (
     "release_margin",
     "quiet_steps",
     "minimum_hold_steps",
+    "requests",
     "labels",
 )
 """settings that no fit and no calibration looks at"""
@@ -49,6 +51,7 @@ class GateConfig:
     """steps in a row above the score of release before the expert hands back"""
     minimum_hold_steps: int = 0
     """least number of steps for which the expert acts once it has taken over"""
+    requests: RequestConfig = field(default_factory=RequestConfig)
     labels: str = "all"
     """states that the expert labels: all, or own (only those in which it acts)"""
 
@@ -87,7 +90,8 @@ class GateConfig:
             settings = dict(content)
             support = SupportConfig(**settings.pop("support", {}))
             threshold = ThresholdConfig(**settings.pop("threshold", {}))
-            return cls(**settings, support=support, threshold=threshold)
+            requests = RequestConfig(**settings.pop("requests", {}))
+            return cls(**settings, support=support, threshold=threshold, requests=requests)
         except TypeError as error:
             raise ParameterError(f"{content} is no config of a gate: {error}") from error
 
