@@ -35,7 +35,7 @@ class Learn(Planned):
     """
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     runs: Path
     """directory for the store, the checkpoints and what each round showed"""
     fresh: bool = False
@@ -131,6 +131,7 @@ class Learn(Planned):
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
+        from sheath_manip.metrics import endings_line, expert_share
 
         with opened(task, plan.schedule.variant, self.seed) as probe:
             require_learnable(probe.spec, plan, comparison.methods)
@@ -158,15 +159,15 @@ class Learn(Planned):
             )
             results = learning.run(self.method)
         table = Table(box=None, pad_edge=False)
-        for heading in ("round", "failed", "expert's share", "labelled states", "alone: failed"):
+        for heading in ("round", "episodes", "expert's share", "labelled states", "policy alone"):
             table.add_column(heading, justify="right")
         for result in results:
             table.add_row(
                 str(result.round),
-                _failed(result.executed),
-                f"{_share(result.executed):.0%}",
+                endings_line(record.outcome for record in result.executed),
+                f"{expert_share(result.executed):.0%}",
                 str(result.states),
-                _failed(result.policy),
+                endings_line(record.outcome for record in result.policy),
             )
         session.out.print(table)
         last = round_path(self.runs, self.seed, results[-1].method, results[-1].round, "npz")
@@ -174,13 +175,3 @@ class Learn(Planned):
         if learning.left_out:
             session.out.print(Text(left_out_line(learning.left_out)))
         return 0
-
-
-def _failed(records) -> str:
-    return f"{sum(record.outcome == 'failure' for record in records)} of {len(records)}"
-
-
-def _share(records) -> float:
-    from sheath_manip.metrics import expert_share
-
-    return expert_share(records)

@@ -1,6 +1,5 @@
 """`sheath train`: a policy and its gate from the episodes of a store."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan, Schedule
+from sheath_manip.metrics import endings_line
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.types import Purpose
 
@@ -34,7 +34,7 @@ class Train(Planned):
     """
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     store: str
     """directory of the episodes, as `sheath collect` records them, or a URL"""
     checkpoint: Path
@@ -212,5 +212,4 @@ def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:
 def _outcomes(summaries: "Sequence[EpisodeSummary]", names: Sequence[str]) -> str:
     """How the named episodes ended."""
     taken = set(names)
-    counts = Counter(str(each.outcome) for each in summaries if each.name in taken)
-    return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
+    return endings_line(each.outcome for each in summaries if each.name in taken)

@@ -96,7 +96,7 @@ def rollout(
             while not stepping.over:
                 if watch is not None:
                     watch.begin_step(rests=not stepping.steps)
-                _step(stepping, proposing, deciding, actors)
+                control_step(stepping, proposing, deciding, actors)
             if watch is not None:
                 watch.end_steps()
             outcome, metrics = stage.outcome(), stage.metrics()
@@ -107,9 +107,14 @@ def rollout(
     return episode
 
 
-def _step(
+def control_step(
     stepping: Stepping, policy: GuardedPolicy | None, gate: GuardedGate, actors: Actors
 ) -> None:
+    """Run one step of the loop, for whoever calls step by step: look, propose, judge, act.
+
+    Raises BrokenError where nobody is left to act or the environment fails, and ParameterError
+    where the gate wants an actor or a policy that was never there.
+    """
     observation = stepping.look()
     actors.follow(observation)
     proposal, broken = (None, None) if policy is None else policy.propose(observation)

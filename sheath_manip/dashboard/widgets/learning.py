@@ -22,16 +22,20 @@ class LearningCurves:
         metric = context.spec.metric
         self._note = gui.add_html(note(NO_ROUND))
         self._charts: list[tuple[Callable[[RoundResult], float], float | None]] = [
-            (lambda result: _failed(result.executed), 0.0),
+            (lambda result: figures_of(result.executed).failure_rate, 0.0),
+            (lambda result: figures_of(result.executed).success_rate, 0.0),
             (lambda result: _mean(result.policy, metric), None),
-            (lambda result: _failed(result.policy), 0.0),
+            (lambda result: figures_of(result.policy).failure_rate, 0.0),
+            (lambda result: figures_of(result.policy).success_rate, 0.0),
             (lambda result: expert_share(result.executed), 0.0),
         ]
         self._drawn = []
         for title, detail in (
             ("Failed while learning", "share of the round's episodes"),
+            ("Succeeded while learning", "what neither failed nor succeeded is stuck"),
             (metric, "mean, of the new policy alone on held-out scenes"),
             ("Policy alone failed", "share of held-out scenes"),
+            ("Policy alone succeeded", "share of held-out scenes"),
             ("Expert acted", "share of the round's steps"),
         ):
             html = gui.add_html("", visible=False)
@@ -62,10 +66,6 @@ def _chart(
             for number in rounds
         ]
     return line_chart(lines, low)
-
-
-def _failed(records: Sequence[EpisodeRecord]) -> float:
-    return figures_of(records).failure_rate
 
 
 def _mean(records: Sequence[EpisodeRecord], metric: str) -> float:
