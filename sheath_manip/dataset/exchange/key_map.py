@@ -62,7 +62,7 @@ class KeyMap:
             for key in track.keys
             if key not in taken and not any(key.startswith(f"{whole}/") for whole in track.keys)
         ]
-        if left:
+        if left := [*left, *track.beside]:
             yield f"not taken: {' '.join(left)}"
 
 

@@ -17,10 +17,11 @@ from sheath_manip.exceptions import StoreError
 
 with needs("lerobot-data", "pyarrow"):
     import pyarrow as pa
-    import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
 MOST_ITEM_BYTES = 8
+_NUMBERS = (pa.types.is_boolean, pa.types.is_integer, pa.types.is_floating)
+_LISTS = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
 
 
 class Parquet:
@@ -44,15 +45,13 @@ class Parquet:
         array = self._array(column, start, stop)
         while not _is_flat(array.type):
             _require_whole(array, what)
-            if len(pc.unique(pc.list_value_length(array))) > 1:
+            fixed = pa.types.is_fixed_size_list(array.type)
+            if not fixed and len(array.value_lengths().unique()) > 1:
                 raise StoreError(f"{what} has rows of several lengths")
             array = array.flatten()
         _require_whole(array, what)
-        kind = array.type
-        if not (
-            pa.types.is_boolean(kind) or pa.types.is_integer(kind) or pa.types.is_floating(kind)
-        ):
-            raise StoreError(f"{what} holds {kind}; wanted booleans or numbers")
+        if not any(is_kind(array.type) for is_kind in _NUMBERS):
+            raise StoreError(f"{what} holds {array.type}; wanted booleans or numbers")
         if len(array) != (stop - start) * math.prod(shape):
             raise StoreError(f"{what} has {len(array)} numbers; wanted {stop - start} of {shape}")
         return array.to_numpy(zero_copy_only=False).reshape(stop - start, *shape)
@@ -87,8 +86,7 @@ class Parquet:
 
 
 def _is_flat(kind: Any) -> bool:
-    lists = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
-    return not any(is_list(kind) for is_list in lists)
+    return not any(is_list(kind) for is_list in _LISTS)
 
 
 def _require_whole(array: Any, what: str) -> None:

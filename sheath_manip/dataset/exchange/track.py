@@ -50,6 +50,10 @@ class Track:
     ending: Ending = Ending()
     words: str = ""
     """what was to be done, in words; empty where the file does not say"""
+    place: int | None = None
+    """in the file, where only some of its episodes are taken; None: as they come"""
+    beside: tuple[str, ...] = ()
+    """what the file holds of it that no key can name"""
 
 
 @contextmanager
