@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sheath_manip.array_environment import ArrayEnvironment
+    from sheath_manip.dataset.exchange.sources import import_data
     from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.exceptions import SheathError
     from sheath_manip.gates.config import GateConfig
@@ -75,6 +76,7 @@ __all__ = [
     "fit_gate",
     "gated_episode",
     "held_out_threshold",
+    "import_data",
     "load_checkpoint",
     "make_policy",
     "samples_from",
@@ -82,6 +84,7 @@ __all__ = [
 
 _HOMES = {
     "array_environment": ("ArrayEnvironment",),
+    "dataset.exchange.sources": ("import_data",),
     "dataset.store": ("EpisodeStore",),
     "exceptions": ("SheathError",),
     "gates.config": ("GateConfig",),
