@@ -11,6 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from sheath_manip.adapters.from_callable import from_callable
+    from sheath_manip.adapters.from_torch import from_torch
     from sheath_manip.array_environment import ArrayEnvironment
     from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.exceptions import SheathError
@@ -73,6 +75,8 @@ __all__ = [
     "contact_sheet",
     "demonstrations",
     "fit_gate",
+    "from_callable",
+    "from_torch",
     "gated_episode",
     "held_out_threshold",
     "load_checkpoint",
@@ -81,6 +85,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "adapters.from_callable": ("from_callable",),
+    "adapters.from_torch": ("from_torch",),
     "array_environment": ("ArrayEnvironment",),
     "dataset.store": ("EpisodeStore",),
     "exceptions": ("SheathError",),

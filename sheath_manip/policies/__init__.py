@@ -62,10 +62,19 @@ FEATURE_EMBEDDINGS = {
     "features": f"{_HERE}.features:Features",
     "weighted-features": f"{_HERE}.weighted_features:WeightedFeatures",
 }
+LATENT_EMBEDDINGS = {
+    "latent": f"{_HERE}.latent:LatentEmbedding",
+    "latent-whitened": f"{_RECIPES}:latent_whitened",
+}
+"""of policies from elsewhere, which give a layer of theirs along"""
 EMBEDDINGS: Registry[Callable[[], Embedding]] = Registry(
     "embedding",
     "sheath.embeddings",
-    IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | TOOL_EMBEDDINGS | FEATURE_EMBEDDINGS,
+    IMAGE_EMBEDDINGS
+    | SPATIAL_EMBEDDINGS
+    | TOOL_EMBEDDINGS
+    | FEATURE_EMBEDDINGS
+    | LATENT_EMBEDDINGS,
 )
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
@@ -88,5 +97,11 @@ def embeddings_like(name: str) -> list[str]:
 
     For an embedding from outside, the embedding itself is returned.
     """
-    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
+    tables = (
+        IMAGE_EMBEDDINGS,
+        SPATIAL_EMBEDDINGS,
+        TOOL_EMBEDDINGS,
+        FEATURE_EMBEDDINGS,
+        LATENT_EMBEDDINGS,
+    )
     return next((list(table) for table in tables if name in table), [name])
