@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sheath_manip.adapters.from_callable import CallablePolicy, from_callable
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.choices import likeliest
-from sheath_manip.policies.latent import LATENT
+from sheath_manip.policies.latent import LATENT, SCORES
 from sheath_manip.types import ActionSpec, Observations, Proposal
 
 
@@ -94,7 +94,7 @@ class _Look:
         actions = _array(answer)
         if self.choices is not None:
             # What signals such as `trust-joined` read beside an embedding.
-            latents["choice scores"] = actions
+            latents[SCORES] = actions
             actions = likeliest(self.choices, actions)
         return Proposal(actions, latents)
 

@@ -16,6 +16,8 @@ from sheath_manip.types import Observations, Proposal
 
 LATENT = "latent"
 """the name of the latent that is read where a policy gives several"""
+SCORES = "choice scores"
+"""the name of what a policy makes of each choice, which is no layer inside"""
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,10 @@ class FlatLatent:
 
 def latent_of(latents: Mapping[str, Any]) -> str | None:
     """Return the name of the latent that `FlatLatent` reads; None where it reads none."""
-    if LATENT in latents:
+    inside = [name for name in latents if name != SCORES]
+    if LATENT in inside:
         return LATENT
-    return next(iter(latents)) if len(latents) == 1 else None
+    return inside[0] if len(inside) == 1 else None
 
 
 @final
