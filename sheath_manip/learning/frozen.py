@@ -12,7 +12,7 @@ from sheath_manip.gates.fitted import Sources
 from sheath_manip.gates.making import GATES
 from sheath_manip.learning.fitting import Fit, Looks, fit_to_looks
 from sheath_manip.policies.latent import latent_of
-from sheath_manip.policies.looking import together
+from sheath_manip.policies.looking import end_to_end
 from sheath_manip.policies.looking_along import look_along
 from sheath_manip.policies.readings import require_cameras
 from sheath_manip.protocols import PredictingPolicy
@@ -75,7 +75,7 @@ def fit_frozen_gate(
         labels.append(episode.columns.labels[episode.columns.has_label])
         seen.append(look_along(policy, episode, readers))
     calibration = [look_along(policy, episode, readers) for episode in held_out]
-    looks = Looks(np.concatenate(labels), together(seen), calibration)
+    looks = Looks(np.concatenate(labels), end_to_end(seen), calibration)
     return Fit(fit_to_looks(policy, signal, looks, config, sources=sources), looks)
 
 

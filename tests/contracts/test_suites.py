@@ -13,6 +13,7 @@ from sheath_manip.policies import (
     EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     LATENT_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
     POLICIES,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
@@ -34,7 +35,7 @@ from sheath_manip.testing import (
 )
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 from sheath_manip.types.samples import Samples
-from tests import blobs, buttons, line, reach
+from tests import blobs, buttons, line, reach, servo
 from tests.toy import CORRIDOR
 
 EPOCHS = {"epochs": 1}
@@ -44,6 +45,7 @@ SETTINGS = {
     "plain-cnn": EPOCHS,
     "paper-cnn": EPOCHS,
     "spatial-cnn": reach.SETTINGS | STEPS,
+    "mlp": STEPS,
     "egocentric-cnn": line.SETTINGS
     | {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
 }
@@ -54,7 +56,12 @@ QUICK_SUPPORTS = {"reconstruction": 20, "distillation": 20, "disagreement": 10}
 def spec_for(name: str):
     if name in OF_FEATURES:
         return buttons.SPEC
-    return {"spatial-cnn": reach.SPEC, "egocentric-cnn": line.SPEC}.get(name, blobs.SPEC)
+    of_continuous = {
+        "spatial-cnn": reach.SPEC,
+        "egocentric-cnn": line.SPEC,
+        "mlp": servo.SPEC,
+    }
+    return of_continuous.get(name, blobs.SPEC)
 
 
 def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples]:
@@ -62,6 +69,8 @@ def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples]:
     if name in FEATURE_EMBEDDINGS:
         states = buttons.training().take(np.arange(100))
         return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(states), states
+    if name in MEASURED_EMBEDDINGS:
+        return servo.fitted_policy(), servo.training().take(np.arange(100))
     if name in SPATIAL_EMBEDDINGS:
         return reach.fitted_policy(), reach.training().take(np.arange(100))
     if name in TOOL_EMBEDDINGS:
