@@ -30,12 +30,12 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.attributes import from_attributes, to_attributes
 from sheath_manip.dataset.exchange.formats import Format
 from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
-from sheath_manip.dataset.exchange.plain_tree import FolderTree, PlainTree, ZipTree
+from sheath_manip.dataset.exchange.plain_tree import FolderTree, PlainTree, ZipTree, read_json
 from sheath_manip.dataset.exchange.sealing import digest_of, require_digest
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.uniform import uniform
-from sheath_manip.dataset.exchange.zarr2 import Zarr2Array, read_json
+from sheath_manip.dataset.exchange.zarr2 import Zarr2Array
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import FRAMES_PER_CHUNK, layout
 from sheath_manip.dataset.recorded import Recorded

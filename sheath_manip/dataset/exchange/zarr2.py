@@ -4,7 +4,6 @@ zarr decodes whatever codec and type a file names, follows links, and takes the 
 asks for. Format: https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html
 """
 
-import json
 import math
 import re
 from itertools import product
@@ -15,24 +14,14 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.exchange.codecs import decoder
 from sheath_manip.dataset.exchange.limits import Limits
-from sheath_manip.dataset.exchange.plain_tree import PlainTree
+from sheath_manip.dataset.exchange.plain_tree import PlainTree, read_json
 from sheath_manip.exceptions import StoreError
 
-JSON_TIMES_LARGER = 30
-"""what the bytes of a JSON file take in memory at most, once they are objects"""
 MOST_DIMENSIONS = 8
 MOST_CHUNKS = 1_000_000
 BLOCK_OVERHEAD_BYTES = 1 << 16
 _DTYPE = re.compile(r"\|b1|\|[iu]1|[<>][iu][248]|[<>]f[248]")
 """booleans, whole numbers and floats; not objects, text, structures or times"""
-
-
-def read_json(tree: PlainTree, file: str, limits: Limits) -> Any:
-    """Return what the JSON file says; raises StoreError where there is none, or it is too large."""
-    if file not in tree.sizes:
-        raise StoreError(f"there is no {file}")
-    limits.require_memory(file, JSON_TIMES_LARGER * tree.sizes[file])
-    return json.loads(tree.read(file))
 
 
 class Zarr2Array:
