@@ -16,7 +16,7 @@ class Collect:
     """Record episodes of the scripted expert, but for those that the store holds already."""
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     store: Path
     """directory for the episodes; made where there is none"""
     episodes: int = 20

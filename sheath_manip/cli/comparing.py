@@ -17,7 +17,8 @@ class Comparing:
     """An experiment on the command line: which one, how large, and where it lies."""
 
     task: TaskName
-    """name of the experiment: its task's, as `sheath tasks` lists it, or `gates` or `nu`"""
+    """name of the experiment: its task's, as `sheath tasks` lists it or a file says
+    (`file.py:TASK`), or `gates` or `nu`"""
     plan: str = "full"
     """name of the plan of settings, as `sheath tasks` lists it; each keeps apart from the full
     one"""
@@ -39,13 +40,13 @@ class Comparing:
         """Name of the plan."""
         return "quick" if self.quick else self.plan
 
-    def directories(self) -> tuple[Path, Path]:
-        """Return the directories for runs and for results.
+    def directories(self, experiment: str) -> tuple[Path, Path]:
+        """Return the directories for runs and for results of the experiment of that name.
 
         Those of another plan keep apart from the full one.
         """
         full = self.size == "full"
-        name = self.task if full else f"{self.task}-{self.size}"
+        name = experiment if full else f"{experiment}-{self.size}"
         runs = self.runs or Path("runs") / name
         return runs, self.out or (Path("results") / name if full else runs / "results")
 

@@ -14,7 +14,7 @@ class Evaluate:
     """Judge a policy alone, without gate and expert, on held-out scenes."""
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     checkpoint: Path
     """file of the policy, as `sheath train` and `sheath experiment` write it"""
     episodes: int = 20

@@ -7,8 +7,9 @@ from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.benchmarks import BENCHMARKS, Asked
 from sheath_manip.cli.comparing import Comparing
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, default_is, spec_of
+from sheath_manip.cli.own_tasks import is_reference
 from sheath_manip.cli.planned import Planned, asked_policy
-from sheath_manip.cli.session import Session, Verb
+from sheath_manip.cli.session import OWN_TASK, Session, Verb
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
@@ -29,7 +30,7 @@ class Benchmark(Comparing):
         """Run it to its end."""
         if self.seeds == ():
             raise ParameterError("seeds is empty; wanted at least one")
-        runs, results = self.directories()
+        runs, results = self.directories(self.task)
         asked = Asked(self.size, self.seeds, self.processes(), runs, results, self.fresh)
         BENCHMARKS[self.task](asked, session)
         return 0
@@ -70,9 +71,8 @@ class Experiment(Comparing, Planned):
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
-        tasks = session.catalog().tasks
-        if self.task not in tasks:
-            raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS))
+        if not is_reference(self.task) and self.task not in (tasks := session.catalog().tasks):
+            raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS), OWN_TASK)
         session.runnable(self.task)
         study = session.study(self.task)
         policy = asked_policy(self.policy, study.plan(self.size))
@@ -80,7 +80,7 @@ class Experiment(Comparing, Planned):
         if self.figures == ():
             raise ParameterError("figures is empty; wanted at least one")
         workers = self.processes()
-        runs, results = self.directories()
+        runs, results = self.directories(study.name)
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
         from sheath_manip.learning.methods import method_named

@@ -35,7 +35,7 @@ class Learn(Planned):
     """
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     runs: Path
     """directory for the store, the checkpoints and what each round showed"""
     fresh: bool = False

@@ -12,8 +12,10 @@ from typing import Any, get_origin, get_type_hints
 
 import tyro
 
-from sheath_manip.cli.session import Catalog, LoadCatalog, Verb
+from sheath_manip.cli.own_tasks import is_reference, referenced
+from sheath_manip.cli.session import LoadCatalog, Verb
 from sheath_manip.exceptions import ParameterError, SheathError
+from sheath_manip.experiments.study import Study
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
 
@@ -56,7 +58,7 @@ def verb_for(
     wanted = verb if read is None else verb.named(read.task)
     if not issubclass(wanted, Planned):
         return wanted, None
-    plan = None if read is None else _plan(read, catalog())
+    plan = None if read is None else _plan(read, catalog)
     settings = wanted.settings(plan or LearningPlan())
     return wanted, wanted(**_required(wanted, lambda _: tyro.MISSING), **settings)
 
@@ -82,8 +84,11 @@ def _read(verb: type[Planned], argv: Sequence[str]) -> Planned | None:
         return None
 
 
-def _plan(read: Planned, catalog: Catalog) -> LearningPlan | None:
-    studies = catalog.studies
+def _plan(read: Planned, catalog: LoadCatalog) -> LearningPlan | None:
+    if is_reference(read.task):
+        found = referenced(read.task)
+        return found.plans.get(read.size) if isinstance(found, Study) else None
+    studies = catalog().studies
     return studies[read.task].plans.get(read.size) if read.task in studies else None
 
 

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress, default_is
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.files.outputs import written_aside
 from sheath_manip.task import Task
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from sheath_manip.playback.making import FilmMaker
 
 KINDS = (".mp4", ".html")
+IN_A_FILE = "a task in a file is replayed with --task file.py:TASK"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +31,8 @@ class Replay:
     episode: str = "0"
     """episode to begin with: its name, or its place in `sheath data list`, from 0; -1 is the
     last"""
+    task: Annotated[str | None, default_is("the one that the episode says")] = None
+    """place of the task where no table has it, `file.py:TASK`: a recording says its name alone"""
     speed: float = 1.0
     """speed of the replay: 1 is the episode's control rate, 2 twice as fast"""
     variant: Annotated[str | None, default_is("the one that the episode says")] = None
@@ -57,7 +60,7 @@ class Replay:
         place = store.names().index(chosen(store, self.episode))
         catalog = EpisodeCatalog(store)
         self._require_use_of_variant([each.info.variant for each in catalog.summaries], session)
-        task = session.task(catalog.summaries[place].info.task)
+        task = self._task(catalog.summaries[place].info.task, session)
         with self._maker(task, catalog) as maker:
             if self.export is not None:
                 self._export(maker, place, session)
@@ -78,6 +81,20 @@ class Replay:
         if own:
             line = f"{own} of {len(recorded)} episodes say their own variant, and are shown in it"
             session.out.print(Text(line))
+
+    def _task(self, recorded: str, session: Session) -> Task:
+        """The task of the recorded name; nothing that a recording says is ever run as code."""
+        if self.task is None:
+            tasks = session.catalog().tasks
+            if recorded not in tasks:
+                raise UnknownNameError("task", recorded, tasks, IN_A_FILE)
+            return tasks[recorded]
+        task = session.task(self.task)
+        if task.name != recorded:
+            raise ParameterError(
+                f"--task {self.task} is the task {task.name!r}; the episode is of {recorded!r}"
+            )
+        return task
 
     @contextmanager
     def _maker(self, task: Task, catalog: "EpisodeCatalog") -> Iterator["FilmMaker"]:

@@ -24,7 +24,7 @@ class Run:
     """Let a trained policy act inside its support, and the expert outside."""
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     checkpoint: Path
     """file of the policy and its gate, as `sheath train` and `sheath experiment` write it"""
     episodes: int = 5

@@ -12,6 +12,7 @@ from rich.panel import Panel
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from sheath_manip.cli.own_tasks import is_reference, referenced
 from sheath_manip.cli.plain_console import PlainConsole
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.study import Study
@@ -30,7 +31,7 @@ class Catalog:
 LoadCatalog = Callable[[], Catalog]
 """called only by verbs that need a task, since tasks bring their simulator"""
 
-OWN_TASK = "a task of your own needs an entry point: docs/own/task.md"
+OWN_TASK = "a task of your own is given as file.py:TASK: docs/own/task.md"
 PIPED_COLUMNS = 160
 
 
@@ -47,7 +48,12 @@ class Session:
     """for progress, so that results can be piped"""
 
     def task(self, name: str) -> Task:
-        """Return the task; raises UnknownNameError."""
+        """Return the task of that name, or the one that `file.py:TASK` says.
+
+        Raises UnknownNameError, and RegistrationError where a file cannot be used.
+        """
+        if is_reference(name):
+            return self.study(name).task
         tasks = self.catalog().tasks
         if name not in tasks:
             raise UnknownNameError("task", name, tasks, OWN_TASK)
@@ -61,7 +67,10 @@ class Session:
         return task
 
     def study(self, name: str) -> Study:
-        """Return the study of the task, a bare one where it has none; raises UnknownNameError."""
+        """Return the study of the task, a bare one where it has none; raises as `task` does."""
+        if is_reference(name):
+            found = referenced(name)
+            return found if isinstance(found, Study) else Study(found)
         task, studies = self.task(name), self.catalog().studies
         return studies[name] if name in studies else Study(task)
 

@@ -24,7 +24,7 @@ class Teleop:
     """
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     store: Path
     """directory for the episodes; made where there is none"""
     episodes: int = 5

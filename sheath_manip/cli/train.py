@@ -34,7 +34,7 @@ class Train(Planned):
     """
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     store: str
     """directory of the episodes, as `sheath collect` records them, or a URL"""
     checkpoint: Path

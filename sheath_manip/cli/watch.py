@@ -23,7 +23,7 @@ class Watch:
     """
 
     task: TaskName
-    """name of the task, as `sheath tasks` lists it"""
+    """name of the task, as `sheath tasks` lists it, or its place, `file.py:TASK`"""
     checkpoint: Annotated[Path | None, default_is("the expert drives")] = None
     """file of the policy and its gate"""
     store: Annotated[Path | None, default_is("no support is shown")] = None

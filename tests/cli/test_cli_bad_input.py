@@ -47,10 +47,10 @@ def _train(complaint, made: Path, tmp_path: Path, *options: object) -> str:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_unknown_task(complaint, verb):
-    own = "a task of your own needs an entry point: docs/own/task.md"
+    own = "a task of your own is given as file.py:TASK: docs/own/task.md"
     said = f"unknown task 'moon'; known: corridor; {own}"
     if verb == "experiment":
-        said = "unknown experiment 'moon'; known: corridor, gates, nu"
+        said = f"unknown experiment 'moon'; known: corridor, gates, nu; {own}"
     assert complaint(verb, "moon", *REST[verb]) == f"sheath: {said}\n"
 
 

@@ -42,7 +42,7 @@ def test_unknown_task_names_the_known_ones(tmp_path):
     done = _call(SHEATH, "collect", "moon", "--store", tmp_path / "store")
     assert _complaint(done) == (
         "sheath: unknown task 'moon'; known: driving, gauze-cutting, grasp-clutter, platformer; "
-        "a task of your own needs an entry point: docs/own/task.md\n"
+        "a task of your own is given as file.py:TASK: docs/own/task.md\n"
     )
 
 
