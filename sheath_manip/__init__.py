@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
     from sheath_manip.learning.first_episodes import demonstrations, gated_episode
     from sheath_manip.learning.fitting import fit_gate
+    from sheath_manip.learning.gate_file import load_gate
     from sheath_manip.playback.making import contact_sheet
     from sheath_manip.policies import make_policy
     from sheath_manip.protocols import Environment, Expert, Gate, Judge, Policy
@@ -80,6 +81,7 @@ __all__ = [
     "gated_episode",
     "held_out_threshold",
     "load_checkpoint",
+    "load_gate",
     "make_policy",
     "samples_from",
 ]
@@ -96,6 +98,7 @@ _HOMES = {
     "learning.checkpoint": ("Checkpoint", "load_checkpoint"),
     "learning.first_episodes": ("demonstrations", "gated_episode"),
     "learning.fitting": ("fit_gate",),
+    "learning.gate_file": ("load_gate",),
     "playback.making": ("contact_sheet",),
     "policies": ("make_policy",),
     "protocols": ("Environment", "Expert", "Gate", "Judge", "Policy"),

@@ -13,6 +13,7 @@ from sheath_manip.dataset.recorded_task import task_of
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays, PredictingPolicy, Reader
+from sheath_manip.rollout.guard import ask
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observations
 from sheath_manip.types.seen import Seen
@@ -33,6 +34,8 @@ class External:
 
     named: str
     """where it was found, such as `mine.py:act`"""
+    data: str
+    """where the episodes lay that its gate was fitted to"""
     recorded: RecordedSpec
     """what it sees and does, as its data told"""
     instruction: str = ""
@@ -43,6 +46,7 @@ class External:
         recorded = self.recorded
         return {
             "named": self.named,
+            "data": self.data,
             "control_rate_hz": float(recorded.control_rate_hz),
             "cameras": {name: list(size) for name, size in recorded.cameras.items()},
             "feature_size": recorded.feature_size,
@@ -64,7 +68,8 @@ class External:
             action_size=fields.take("action_size", whole(1, MOST_NUMBERS)),
             space=fields.take("space", _space),
         )
-        external = cls(fields.take("named", word), recorded, fields.take("instruction", word))
+        named_by, data = fields.take("named", word), fields.take("data", word)
+        external = cls(named_by, data, recorded, fields.take("instruction", word))
         fields.require_empty()
         external._require_sizes()
         return external
@@ -90,7 +95,8 @@ def looks_at_made_up(
 ) -> Seen:
     """Return a few made-up states, always the same ones, as `policy` sees them.
 
-    Raises ParameterError where it proposes actions of another size than it should.
+    Raises ParameterError where it proposes actions of another size than it should, and SheathError
+    where it breaks down.
     """
     spec, rng = task_of(external.recorded), generator("made-up states")
     observations = Observations(
@@ -101,7 +107,7 @@ def looks_at_made_up(
         rng.normal(size=(MADE_UP, len(spec.feature_names))).astype(np.float32),
         (external.instruction,) * MADE_UP if external.instruction else None,
     )
-    proposal = policy.predict(observations)
+    proposal = ask("policy", policy.predict, observations)
     wanted = (MADE_UP, len(spec.action.names))
     if np.shape(proposal.now) != wanted:
         raise ParameterError(

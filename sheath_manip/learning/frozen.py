@@ -11,18 +11,15 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import Sources
 from sheath_manip.gates.making import GATES
 from sheath_manip.learning.fitting import Fit, Looks, fit_to_looks
+from sheath_manip.learning.suited import SUITED
 from sheath_manip.policies.latent import latent_of
 from sheath_manip.policies.looking import end_to_end
 from sheath_manip.policies.looking_along import look_along
 from sheath_manip.policies.readings import require_cameras
 from sheath_manip.protocols import PredictingPolicy
+from sheath_manip.rollout.guard import ask
 from sheath_manip.signals import make_signal
 from sheath_manip.types import Episode, TaskSpec
-
-SUITED = "suited"
-"""in place of a signal or embedding: the one that suits policy and data"""
-FROZEN = GateConfig(signal=SUITED, embedding=SUITED, precedent_embedding=SUITED)
-"""the settings by default"""
 
 
 def fit_frozen_gate(
@@ -89,7 +86,7 @@ def _suited(
     """
     choices = spec.action.choices is not None
     observed = _of_what_is_observed(example, spec)
-    proposal = policy.predict(example.steps[0].observation.alone)
+    proposal = ask("policy", policy.predict, example.steps[0].observation.alone)
     inside = observed if latent_of(proposal.latents) is None else "latent"
     by = {"signal": "joined" if choices else "near-joined"}
     by |= {"embedding": inside, "precedent_embedding": observed}

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.dataset.recorded_task import task_of
-from sheath_manip.exceptions import CheckpointError, ParameterError, UnknownNameError
+from sheath_manip.exceptions import CheckpointError, ParameterError, SheathError, UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.learning.checkpoint import (
@@ -116,7 +116,7 @@ def load_gate(path: Path | str, policy: PredictingPolicy) -> LoopGate:
         return LoopGate(fitted, task_of(external.recorded))
     except CheckpointError:
         raise
-    except (UnknownNameError, ParameterError) as error:
+    except SheathError as error:
         raise CheckpointError(f"{path} does not fit this version or policy: {error}") from error
     except Exception as error:
         # Policies and signals may come from other packages, and raise what they like.

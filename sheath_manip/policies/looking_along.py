@@ -4,6 +4,7 @@ import numpy as np
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import PredictingPolicy, Reader
+from sheath_manip.rollout.guard import ask
 from sheath_manip.seeding import generator
 from sheath_manip.types import Episode
 from sheath_manip.types.seen import Seen
@@ -17,7 +18,7 @@ def look_along(
     One that keeps a history or plays chunks of actions sees another thing in the middle of an
     episode than `look` would show, which knows each state alone. The surrogate losses are those of
     what it would have proposed. Raises ParameterError where its actions have another size than the
-    labels.
+    labels, and SheathError where it breaks down.
     """
     policy.reset(generator("looking along"))
     labels, chosen = episode.columns.labels, episode.columns.has_label
@@ -25,7 +26,7 @@ def look_along(
     rows: dict[Reader, list[np.ndarray]] = {reader: [] for reader in readers}
     for step, label, labelled in zip(episode.steps, labels, chosen, strict=True):
         observation = step.observation.alone
-        proposal = policy.propose(observation)
+        proposal = ask("policy", policy.propose, observation)
         if proposal.now.shape != (1, len(label)):
             raise ParameterError(
                 f"the policy proposes {proposal.now.shape} where the episode's labels have "
