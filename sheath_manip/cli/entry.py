@@ -17,6 +17,7 @@ from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.examples import FIRST_STEPS, described
 from sheath_manip.cli.experiment import Experiment
 from sheath_manip.cli.figures import Figures
+from sheath_manip.cli.gate import Gate
 from sheath_manip.cli.interrupts import interruptible
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
@@ -46,13 +47,16 @@ OF_A_STORE: dict[str, type[Verb]] = {
     "replay": Replay,
     "data": Data,
 }
+OF_A_POLICY: dict[str, type[Verb]] = {
+    "gate": Gate,
+}
 OF_THE_MACHINE: dict[str, type[Verb]] = {
     "tasks": Tables,
     "claims": Claims,
     "figures": Figures,
     "doctor": Doctor,
 }
-VERBS = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE
+VERBS = OF_THE_MACHINE | OF_A_TASK | OF_A_POLICY | OF_A_STORE
 """all of `sheath`"""
 
 

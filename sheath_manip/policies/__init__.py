@@ -69,12 +69,18 @@ MEASURED_EMBEDDINGS = {
     "mlp-hidden": f"{_RECIPES}:mlp_hidden",
 }
 """of features that are measured, each in a unit of its own; the last one is for the policy `mlp`"""
+LATENT_EMBEDDINGS = {
+    "latent": f"{_HERE}.latent:LatentEmbedding",
+    "latent-whitened": f"{_RECIPES}:latent_whitened",
+}
+"""of policies from elsewhere, which give a layer of theirs along"""
 _TABLES = (
     IMAGE_EMBEDDINGS,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     MEASURED_EMBEDDINGS,
+    LATENT_EMBEDDINGS,
 )
 EMBEDDINGS: Registry[Callable[[], Embedding]] = Registry(
     "embedding",

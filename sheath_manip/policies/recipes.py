@@ -11,6 +11,7 @@ from sheath_manip.policies.convolutional_embeddings import (
     TwoScaleConvolutions,
 )
 from sheath_manip.policies.features import ScaledFeatures
+from sheath_manip.policies.latent import LatentEmbedding
 from sheath_manip.policies.linear_svm import LinearSvm
 from sheath_manip.policies.own_units import OwnUnits
 from sheath_manip.policies.pixels import Pixels
@@ -66,6 +67,11 @@ def pooled_convolutions_whitened() -> PooledConvolutions:
 def pixels_whitened() -> Pixels:
     """The image itself, small and whitened."""
     return Pixels(Whitening())
+
+
+def latent_whitened() -> LatentEmbedding:
+    """What a layer of the policy shows, whitened."""
+    return LatentEmbedding(Whitening())
 
 
 def _and_features(seen: Embedding) -> SideBySide:

@@ -84,12 +84,15 @@ class Observation:
     features: NDArray[np.float32]
     """(f,) in the order of `TaskSpec.feature_names`"""
     time_s: float
+    instruction: str = ""
+    """what the robot is told to do, where the task says it in words; one for a whole episode"""
 
     @property
     def alone(self) -> "Observations":
         """The observation as a batch of one."""
         images = {camera: image[None] for camera, image in self.images.items()}
-        return Observations(images, self.features[None])
+        told = (self.instruction,) if self.instruction else None
+        return Observations(images, self.features[None], told)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +103,8 @@ class Observations:
     """(n, h, w, 3) RGB by camera"""
     features: NDArray[np.float32]
     """(n, f)"""
+    instructions: tuple[str, ...] | None = None
+    """n texts, what the robot is told to do in each; None where the task has none"""
 
     def __len__(self) -> int:
         return len(self.features)
@@ -107,7 +112,8 @@ class Observations:
     def rows(self, rows: slice) -> "Observations":
         """Return some of them."""
         images = {camera: images[rows] for camera, images in self.images.items()}
-        return Observations(images, self.features[rows])
+        told = None if self.instructions is None else self.instructions[rows]
+        return Observations(images, self.features[rows], told)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from sheath_manip.policies import (
     EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     IMAGE_EMBEDDINGS,
+    LATENT_EMBEDDINGS,
     MEASURED_EMBEDDINGS,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
@@ -21,11 +22,11 @@ from sheath_manip.policies import (
 )
 from sheath_manip.policies.looking import look
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions
-from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, TrainablePolicy
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.types.samples import Samples
 from tests import buttons, line, reach, servo
-from tests.blobs import fitted_policy, held_out, training
+from tests.blobs import fitted_policy, held_out, hidden_layer, training
 from tests.looks import fitted_embedding, vectors_of
 
 SPATIAL = (
@@ -43,7 +44,7 @@ def linear_policy() -> TrainablePolicy:
     return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(buttons.training())
 
 
-def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples, Samples]:
+def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples, Samples]:
     """What an embedding of that name looks through, is fitted to and is judged on."""
     if name in FEATURE_EMBEDDINGS:
         return linear_policy(), buttons.training(), buttons.held_out()
@@ -53,6 +54,8 @@ def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples, Samples]:
         return reach.fitted_policy(), reach.training(), reach.held_out()
     if name in TOOL_EMBEDDINGS:
         return line.fitted_policy(), line.training(), line.held_out()
+    if name in LATENT_EMBEDDINGS:
+        return hidden_layer(), training(), held_out()
     return fitted_policy("cnn"), training(), held_out()
 
 
@@ -223,6 +226,7 @@ def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
     assert embeddings_like("features") == list(FEATURE_EMBEDDINGS)
     assert embeddings_like("image-points") == list(SPATIAL_EMBEDDINGS)
     assert embeddings_like("tool-points") == list(TOOL_EMBEDDINGS)
+    assert embeddings_like("latent") == list(LATENT_EMBEDDINGS)
     assert embeddings_like("scaled-features") == list(MEASURED_EMBEDDINGS)
     tables = (
         IMAGE_EMBEDDINGS,
@@ -230,6 +234,7 @@ def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
         TOOL_EMBEDDINGS,
         FEATURE_EMBEDDINGS,
         MEASURED_EMBEDDINGS,
+        LATENT_EMBEDDINGS,
     )
     assert list(EMBEDDINGS) == [name for table in tables for name in table]
 

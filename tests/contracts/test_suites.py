@@ -12,6 +12,7 @@ from sheath_manip.gates.making import GATES, make_gate
 from sheath_manip.policies import (
     EMBEDDINGS,
     FEATURE_EMBEDDINGS,
+    LATENT_EMBEDDINGS,
     MEASURED_EMBEDDINGS,
     POLICIES,
     SPATIAL_EMBEDDINGS,
@@ -20,7 +21,7 @@ from sheath_manip.policies import (
     make_policy,
 )
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy
 from sheath_manip.signals import SIGNALS, make_signal
 from sheath_manip.support import SUPPORTS, make_support
 from sheath_manip.testing import (
@@ -63,7 +64,7 @@ def spec_for(name: str):
     return of_continuous.get(name, blobs.SPEC)
 
 
-def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples]:
+def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples]:
     """Return what an embedding of that name looks through, and states that it is fitted to."""
     if name in FEATURE_EMBEDDINGS:
         states = buttons.training().take(np.arange(100))
@@ -74,6 +75,8 @@ def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples]:
         return reach.fitted_policy(), reach.training().take(np.arange(100))
     if name in TOOL_EMBEDDINGS:
         return line.fitted_policy(), line.training().take(np.arange(100))
+    if name in LATENT_EMBEDDINGS:
+        return blobs.hidden_layer(), blobs.training().take(np.arange(100))
     return blobs.fitted_policy("cnn"), blobs.training().take(np.arange(100))
 
 

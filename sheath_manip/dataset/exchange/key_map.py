@@ -103,6 +103,7 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
         terminated=track.ending.terminated,
         truncated=track.ending.truncated,
         outcome=outcome,
+        instruction=track.words,
         metrics={},
         expert_steps=int(by_expert.sum()),
         queries=int(by_expert.sum()),

@@ -46,8 +46,9 @@ def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> N
     )
     headers = []
     for recorded in chain([first], alike):
+        told = recorded.header.instruction or recorded.header.info.task
         for frame in _frames(_columns(recorded, action)):
-            dataset.add_frame({**frame, "task": recorded.header.info.task})
+            dataset.add_frame({**frame, "task": told})
         dataset.save_episode()
         headers.append(to_attributes(recorded.header))
     dataset.finalize()
