@@ -16,7 +16,12 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
-from sheath_manip.learning.checkpoint_file import read_arrays, require_digest, write_arrays
+from sheath_manip.learning.checkpoint_file import (
+    WRITTEN_BY,
+    read_arrays,
+    require_digest,
+    write_arrays,
+)
 from sheath_manip.learning.checkpoint_header import require_header
 from sheath_manip.learning.older_checkpoints import header_of_schema_2
 from sheath_manip.learning.trying import require_works
@@ -176,7 +181,7 @@ def _read(path: Path) -> tuple[dict[str, Any], Arrays, str]:
     """The header as one of this schema, the arrays, and what must be told of the file."""
     header, arrays = read_arrays(path)
     if header.get("format") != FORMAT:
-        raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+        raise CheckpointError(f"{path} is no checkpoint; wanted {WRITTEN_BY}")
     remark = ""
     if header.get("schema") == SCHEMA:
         require_digest(path, header, arrays)
