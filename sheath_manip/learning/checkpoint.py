@@ -17,7 +17,12 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
-from sheath_manip.learning.checkpoint_file import read_arrays, require_digest, write_arrays
+from sheath_manip.learning.checkpoint_file import (
+    WRITTEN_BY,
+    read_arrays,
+    require_digest,
+    write_arrays,
+)
 from sheath_manip.learning.checkpoint_header import require_header
 from sheath_manip.learning.older_checkpoints import header_of_schema_2
 from sheath_manip.learning.trying import require_works
@@ -194,7 +199,7 @@ def read_parts(path: Path) -> tuple[dict[str, Any], Arrays, str]:
     """
     header, arrays = read_arrays(path)
     if header.get("format") != FORMAT:
-        raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+        raise CheckpointError(f"{path} is no checkpoint; wanted {WRITTEN_BY}")
     remark = ""
     if header.get("schema") == SCHEMA:
         require_digest(path, header, arrays)

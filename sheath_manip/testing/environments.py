@@ -7,8 +7,8 @@ import numpy as np
 from sheath_manip.protocols import Environment
 from sheath_manip.task import Task
 from sheath_manip.testing.experts import check_expert
-from sheath_manip.testing.sentences import wants, wants_equal, wants_refusal
-from sheath_manip.types import Observation, Outcome
+from sheath_manip.testing.sentences import wants, wants_a, wants_equal, wants_refusal
+from sheath_manip.types import Observation, Outcome, Transition
 
 STEPS = 6
 
@@ -49,10 +49,10 @@ def check_environment(environment: Environment) -> None:
     ]
 
     def driven() -> list[Observation]:
-        seen = [environment.reset(5)]
+        seen = [wants_a(Observation, environment.reset(5), "reset")]
         for action in actions:
-            transition = environment.step(action)
-            seen.append(transition.observation)
+            transition = wants_a(Transition, environment.step(action), "step")
+            seen.append(wants_a(Observation, transition.observation, "step"))
             if transition.terminated or transition.truncated:
                 break
         return seen
