@@ -198,7 +198,8 @@ def _control_rate_hz(gym: gymnasium.Env) -> float:
 
 
 def _max_steps(gym: gymnasium.Env) -> int:
-    limit = gym.spec and gym.spec.max_episode_steps
+    registered = gym.spec and gym.spec.max_episode_steps
+    limit = registered or getattr(gym.unwrapped, "max_episode_steps", None)
     if not limit:
         raise ParameterError("it is registered without max_episode_steps; wanted max_steps=")
     return limit

@@ -101,8 +101,8 @@ def _is_image(space: spaces.Space) -> bool:
 
 
 def _size_px(space: spaces.Space) -> tuple[int, int]:
-    first, second, third = space.shape or ()
-    return (first, second) if third == 3 else (second, third)
+    shape = list(space.shape or ())
+    return (shape[0], shape[1]) if shape[-1] == 3 else (shape[1], shape[2])
 
 
 def _image(value: Any) -> NDArray[np.uint8]:
