@@ -23,6 +23,7 @@ POLICIES: Registry[Callable[..., TrainablePolicy]] = Registry(
         "linear-svm": f"{_HERE}.linear_svm:LinearSvm",
         "linear-svm-paper": f"{_RECIPES}:linear_svm_paper",
         "smile": f"{_HERE}.smile:SmileMixture",
+        "mlp": f"{_HERE}.mlp:MlpPolicy",
     },
 )
 """Called with the task's spec, `seed` and further hyperparameters by name."""
@@ -62,10 +63,23 @@ FEATURE_EMBEDDINGS = {
     "features": f"{_HERE}.features:Features",
     "weighted-features": f"{_HERE}.weighted_features:WeightedFeatures",
 }
+"""of features that are bits, as they are"""
+MEASURED_EMBEDDINGS = {
+    "scaled-features": f"{_RECIPES}:scaled_features",
+    "mlp-hidden": f"{_RECIPES}:mlp_hidden",
+}
+"""of features that are measured, each in a unit of its own; the last one is for the policy `mlp`"""
+_TABLES = (
+    IMAGE_EMBEDDINGS,
+    SPATIAL_EMBEDDINGS,
+    TOOL_EMBEDDINGS,
+    FEATURE_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
+)
 EMBEDDINGS: Registry[Callable[[], Embedding]] = Registry(
     "embedding",
     "sheath.embeddings",
-    IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | TOOL_EMBEDDINGS | FEATURE_EMBEDDINGS,
+    {name: target for table in _TABLES for name, target in table.items()},
 )
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
@@ -88,5 +102,4 @@ def embeddings_like(name: str) -> list[str]:
 
     For an embedding from outside, the embedding itself is returned.
     """
-    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
-    return next((list(table) for table in tables if name in table), [name])
+    return next((list(table) for table in _TABLES if name in table), [name])

@@ -6,11 +6,13 @@ from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.policies.contrast_whitening import ContrastWhitening
 from sheath_manip.policies.convolutional_embeddings import (
     FovealConvolutions,
+    Penultimate,
     PooledConvolutions,
     TwoScaleConvolutions,
 )
 from sheath_manip.policies.features import ScaledFeatures
 from sheath_manip.policies.linear_svm import LinearSvm
+from sheath_manip.policies.own_units import OwnUnits
 from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
@@ -69,6 +71,18 @@ def pixels_whitened() -> Pixels:
 def _and_features(seen: Embedding) -> SideBySide:
     """What the cameras see, and what the robot feels of itself."""
     return SideBySide({"seen": seen, "felt": ScaledFeatures()}, {"seen": 2.0, "felt": 1.0})
+
+
+def scaled_features() -> ScaledFeatures:
+    """Embed the features, each in a unit of its own."""
+    return ScaledFeatures(OwnUnits())
+
+
+def mlp_hidden() -> SideBySide:
+    """What the policy makes of the features in its last hidden layer, and the features."""
+    return SideBySide(
+        {"made": Penultimate(), "felt": scaled_features()}, {"made": 1.0, "felt": 1.0}
+    )
 
 
 def image_points() -> SideBySide:

@@ -12,6 +12,7 @@ from sheath_manip.policies import (
     EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     IMAGE_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
     embeddings_like,
@@ -23,7 +24,7 @@ from sheath_manip.policies.spatial_embeddings import CameraConvolutions
 from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.types.samples import Samples
-from tests import buttons, line, reach
+from tests import buttons, line, reach, servo
 from tests.blobs import fitted_policy, held_out, training
 from tests.looks import fitted_embedding, vectors_of
 
@@ -46,6 +47,8 @@ def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples, Samples]:
     """What an embedding of that name looks through, is fitted to and is judged on."""
     if name in FEATURE_EMBEDDINGS:
         return linear_policy(), buttons.training(), buttons.held_out()
+    if name in MEASURED_EMBEDDINGS:
+        return servo.fitted_policy(), servo.training(), servo.held_out()
     if name in SPATIAL_EMBEDDINGS:
         return reach.fitted_policy(), reach.training(), reach.held_out()
     if name in TOOL_EMBEDDINGS:
@@ -220,7 +223,14 @@ def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
     assert embeddings_like("features") == list(FEATURE_EMBEDDINGS)
     assert embeddings_like("image-points") == list(SPATIAL_EMBEDDINGS)
     assert embeddings_like("tool-points") == list(TOOL_EMBEDDINGS)
-    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
+    assert embeddings_like("scaled-features") == list(MEASURED_EMBEDDINGS)
+    tables = (
+        IMAGE_EMBEDDINGS,
+        SPATIAL_EMBEDDINGS,
+        TOOL_EMBEDDINGS,
+        FEATURE_EMBEDDINGS,
+        MEASURED_EMBEDDINGS,
+    )
     assert list(EMBEDDINGS) == [name for table in tables for name in table]
 
 

@@ -12,6 +12,7 @@ from sheath_manip.gates.making import GATES, make_gate
 from sheath_manip.policies import (
     EMBEDDINGS,
     FEATURE_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
     POLICIES,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
@@ -33,7 +34,7 @@ from sheath_manip.testing import (
 )
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 from sheath_manip.types.samples import Samples
-from tests import blobs, buttons, line, reach
+from tests import blobs, buttons, line, reach, servo
 from tests.toy import CORRIDOR
 
 EPOCHS = {"epochs": 1}
@@ -43,6 +44,7 @@ SETTINGS = {
     "plain-cnn": EPOCHS,
     "paper-cnn": EPOCHS,
     "spatial-cnn": reach.SETTINGS | STEPS,
+    "mlp": STEPS,
     "egocentric-cnn": line.SETTINGS
     | {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
 }
@@ -53,7 +55,12 @@ QUICK_SUPPORTS = {"reconstruction": 20, "distillation": 20, "disagreement": 10}
 def spec_for(name: str):
     if name in OF_FEATURES:
         return buttons.SPEC
-    return {"spatial-cnn": reach.SPEC, "egocentric-cnn": line.SPEC}.get(name, blobs.SPEC)
+    of_continuous = {
+        "spatial-cnn": reach.SPEC,
+        "egocentric-cnn": line.SPEC,
+        "mlp": servo.SPEC,
+    }
+    return of_continuous.get(name, blobs.SPEC)
 
 
 def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples]:
@@ -61,6 +68,8 @@ def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples]:
     if name in FEATURE_EMBEDDINGS:
         states = buttons.training().take(np.arange(100))
         return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(states), states
+    if name in MEASURED_EMBEDDINGS:
+        return servo.fitted_policy(), servo.training().take(np.arange(100))
     if name in SPATIAL_EMBEDDINGS:
         return reach.fitted_policy(), reach.training().take(np.arange(100))
     if name in TOOL_EMBEDDINGS:
