@@ -9,7 +9,13 @@ from sheath_manip.protocols.acting import (
     TakesOver,
     Teleop,
 )
-from sheath_manip.protocols.environment import Environment, Holds
+from sheath_manip.protocols.environment import (
+    Environment,
+    Holds,
+    Restorable,
+    Viewable,
+    require_restorable,
+)
 from sheath_manip.protocols.judging import Gate, Judge
 from sheath_manip.protocols.learning import (
     Agreement,
@@ -45,9 +51,12 @@ __all__ = [
     "Refits",
     "Replans",
     "Report",
+    "Restorable",
     "Signal",
     "SupportEstimator",
     "TakesOver",
     "Teleop",
     "TrainablePolicy",
+    "Viewable",
+    "require_restorable",
 ]

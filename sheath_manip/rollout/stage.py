@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.protocols import Environment, Holds
+from sheath_manip.protocols import Environment, Holds, Restorable
 from sheath_manip.rollout.checking import (
     kept_metrics,
     kept_observation,
@@ -17,6 +17,8 @@ from sheath_manip.rollout.guard import ask
 from sheath_manip.types import Action, Observation, Outcome, Transition
 
 ENVIRONMENT = "environment"
+NO_STATE = np.zeros(0)
+"""of an environment that cannot be restored"""
 
 
 class Stage:
@@ -25,6 +27,7 @@ class Stage:
     def __init__(self, environment: Environment) -> None:
         self.environment = environment
         self.spec = ask(ENVIRONMENT, lambda: environment.spec)
+        self._restorable = environment if isinstance(environment, Restorable) else None
         self._state_size: int | None = None
 
     def reset(self, seed: int) -> Observation:
@@ -36,7 +39,7 @@ class Stage:
         return ask(ENVIRONMENT, self._restore, state)
 
     def state(self) -> NDArray[np.float64]:
-        """(s,) the simulator's state."""
+        """(s,) the simulator's state; (0,) of one that cannot be restored."""
         return ask(ENVIRONMENT, self._state)
 
     def step(self, action: Action) -> Transition:
@@ -64,7 +67,9 @@ class Stage:
         return kept_observation(self.environment.restore(state.copy()), self.spec)
 
     def _state(self) -> NDArray[np.float64]:
-        kept = kept_state(self.environment.state(), self._state_size)
+        if self._restorable is None:
+            return NO_STATE
+        kept = kept_state(self._restorable.state(), self._state_size)
         self._state_size = kept.size
         return kept
 
