@@ -1,5 +1,6 @@
 """A task's variants with any arm: those of its own, and `easy@ur5e` or `easy@my_arm.toml`."""
 
+import logging
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -7,7 +8,10 @@ from typing import Any
 
 from sheath_manip.protocols import Environment
 from sheath_manip.tasks.robots.arm_file import SUFFIX, house_arms
+from sheath_manip.tasks.robots.motions import said
 from sheath_manip.tasks.robots.robot import RobotDescription
+
+logger = logging.getLogger(__name__)
 
 _WITH = "@"
 _DEFAULT = "default"
@@ -50,4 +54,6 @@ class ArmVariants(Mapping[str, Callable[[], Environment]]):
 
     def _made(self, scenario: str, arm: str) -> Environment:
         robot = self.arms[arm] if arm in self.arms else self.arm(arm)
+        if remark := said(robot):
+            logger.warning("%s: %s", arm, remark)
         return self.make(replace(self.scenarios[scenario], robot=robot))
