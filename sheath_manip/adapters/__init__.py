@@ -1,0 +1,1 @@
+"""Doors to what others have: environments, policies, data."""
