@@ -1,5 +1,7 @@
 """What calls the expert as often as a gate does, and where a gate that was chosen stands."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -141,5 +143,5 @@ def test_an_interval_draws_scenes_whole():
 def test_a_plan_that_cannot_be_run_is_refused():
     for settings in ({"levels": (0.1,)}, {"levels": (0.2, 0.1)}, {"failing": 5, "most": 4}):
         with pytest.raises(ParameterError, match="wanted"):
-            TakeoversPlan(**settings)
+            replace(TakeoversPlan(), **settings)
     assert TakeoversPlan().quota(FRESH)[0] > TakeoversPlan().quota(TUNING)[0] >= 1

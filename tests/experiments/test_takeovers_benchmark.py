@@ -5,6 +5,7 @@ import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -147,7 +148,8 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
             expert=CachedExpert(at.task.expert(environment)),
         )
         assert Trial.of(episode, scene.failing) == trial
-        gate = RecallingGate(checkpoint.gate(), alone.steps, scores[scene.index])
+        judging: Any = checkpoint.gate()
+        gate = RecallingGate(judging, alone.steps, scores[scene.index])
         began_late += gate.first is not None and gate.first > 0
     assert began_late > 0
     environment.close()

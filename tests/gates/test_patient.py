@@ -1,5 +1,7 @@
 """A gate that asks seldom: alarms always count, and what is spared is the hand-back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -91,4 +93,4 @@ def test_a_config_keeps_them_and_old_ones_have_none() -> None:
     assert GateConfig.from_described(described).requests == RequestConfig()
     for settings in ({"turn_s": -1.0}, {"a_minute": -1}, {"quiet_s": float("nan")}):
         with pytest.raises(ParameterError, match="wanted at least 0"):
-            RequestConfig(**settings)
+            replace(RequestConfig(), **settings)
