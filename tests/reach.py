@@ -40,6 +40,8 @@ SETTINGS: dict[str, Any] = {
 """with which the toy is learned in seconds"""
 ACT_SETTINGS: dict[str, Any] = {
     **{name: value for name, value in SETTINGS.items() if name != "hidden"},
+    "steps": 150,
+    "learning_rate": 4e-3,
     "chunk": 4,
     "executed_steps": 3,
     "width": 32,

@@ -120,7 +120,8 @@ def _pooled(side_px: int) -> int:
 
 def _cells(layer: torch.Tensor) -> torch.Tensor:
     """(n, cells, c) of (n, c, h, w), pooled."""
-    sides = [min(side, CELLS) for side in layer.shape[2:]]
+    high, wide = layer.shape[2:]
+    sides = min(high, CELLS), min(wide, CELLS)
     return functional.adaptive_avg_pool2d(torch.relu(layer), sides).flatten(2).mT
 
 

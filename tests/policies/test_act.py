@@ -9,6 +9,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates import SupportGate
 from sheath_manip.policies import make_embedding, make_policy
 from sheath_manip.policies.act_network import ActNetwork
+from sheath_manip.protocols import Replans
 from sheath_manip.types import Action, ActionSpec, Judgement, Observation, Observations, Proposal
 from sheath_manip.types.columns import ACTORS
 from sheath_manip.types.samples import Samples
@@ -72,6 +73,7 @@ def test_it_decodes_anew_once_somebody_else_has_acted(decoded):
     decoded.clear()
     policy.reset(np.random.default_rng(0))
     policy.propose(rows[0])
+    assert isinstance(policy, Replans)
     policy.replan()
     fresh = policy.propose(rows[1])
     assert decoded == [1, 1]
