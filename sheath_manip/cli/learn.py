@@ -131,8 +131,11 @@ class Learn(Planned):
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
+        from sheath_manip.learning.suited import suited
 
         with opened(task, plan.schedule.variant, self.seed) as probe:
+            plan, line = suited(probe.spec, plan)
+            session.remark(line)
             require_learnable(probe.spec, plan, comparison.methods)
         if self.fresh:
             move_aside(self.runs, session)
