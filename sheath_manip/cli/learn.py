@@ -131,9 +131,12 @@ class Learn(Planned):
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
         from sheath_manip.metrics import endings_line, expert_share
+        from sheath_manip.learning.suited import suited
 
         plan = with_final_variant(task, LearningPlan(policy, self.gate, self.schedule, comparison))
         with opened(task, plan.schedule.variant, self.seed) as probe:
+            plan, line = suited(probe.spec, plan)
+            session.remark(line)
             require_learnable(probe.spec, plan, comparison.methods)
         if self.fresh:
             move_aside(self.runs, session)
