@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sheath_manip.dataset.exchange.actions import REQUESTED, requested
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection, selected
 from sheath_manip.dataset.reader import EpisodeReader
@@ -114,6 +115,9 @@ def synthetic_store(path: Path, episodes: int = 4, length: int = 70) -> EpisodeS
         episode = synthetic_episode(synthetic_info(0, index), length + index, pixels=12)
         ended = index % 2 == 0
         outcome = Outcome.SUCCESS if ended else Outcome.TIME_LIMIT
+        # A command filter was in between: asked for was more than was done.
+        slowed = replace(episode.steps[0], executed=episode.steps[0].executed / 2)
+        episode = replace(episode, steps=(slowed, *episode.steps[1:]))
         store.append(replace(episode, terminated=ended, truncated=not ended, outcome=outcome))
     return store
 
@@ -122,7 +126,8 @@ def write_expected(store: EpisodeReader, path: Path) -> None:
     """The arrays of all episodes as `NUMBER/NAME`, for scripts that know nothing of ours."""
     arrays = {}
     for number, recorded in enumerate(selected(store, Selection())):
-        arrays |= {f"{number}/{name}": array for name, array in recorded.arrays.items()}
+        held = {**recorded.arrays, REQUESTED: requested(recorded)}
+        arrays |= {f"{number}/{name}": array for name, array in held.items()}
         arrays["episodes"] = np.array(number + 1)
     np.savez(path, **arrays)
 

@@ -107,13 +107,20 @@ def read_blobs(dataset: h5py.Dataset, limits: Limits) -> list[bytes]:
 
 
 def read_names(dataset: Any, limits: Limits) -> tuple[str, ...]:
-    """Return a list of short texts of one length, as robomimic's masks are; StoreError for none."""
-    kind = dataset.dtype if isinstance(dataset, h5py.Dataset) else None
-    if kind is None or kind.kind != "S" or len(dataset.shape) != 1 or kind.itemsize > MOST_NAME:
-        raise StoreError(f"{dataset.name} is no list of names of at most {MOST_NAME} letters")
+    """Return a list of short texts, as robomimic's masks are; StoreError for anything else."""
+    is_list = isinstance(dataset, h5py.Dataset) and len(dataset.shape) == 1
+    if not is_list or h5py.check_string_dtype(dataset.dtype) is None:
+        raise StoreError(f"{dataset.name} is no list of names")
     require_here(dataset)
-    limits.require_memory(str(dataset.name), dataset.shape[0] * (kind.itemsize + TEXT_BYTES))
-    return tuple(name.decode() for name in dataset[()])
+    limits.require_memory(str(dataset.name), dataset.shape[0] * (MOST_NAME + TEXT_BYTES))
+    names = []
+    # One by one: they may be of any length, and two the same bytes of the file.
+    for row in range(dataset.shape[0]):
+        limits.require_time()
+        names.append(dataset[row].decode())
+        if len(names[-1]) > MOST_NAME:
+            raise StoreError(f"{dataset.name} has a name of {len(names[-1])} letters")
+    return tuple(names)
 
 
 def require_here(dataset: h5py.Dataset) -> None:

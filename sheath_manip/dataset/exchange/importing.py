@@ -152,7 +152,8 @@ def _recorded(file: ForeignFile, origin: Origin, remarks: list[str]) -> Iterator
         outcome = origin.outcome or track.ending.outcome or Outcome.SUCCESS
         yield interpret(track, each, outcome, keys)
         if number == 0:
-            remarks.extend(keys.remarks(track))
+            outcome_by = "" if origin.outcome else track.ending.told_by
+            remarks.extend(keys.remarks(track, outcome_by))
             if isinstance(file, HasMasks) and file.masks and not origin.mask:
                 listed = ", ".join(file.masks)
                 remarks.append(f"all episodes are taken; --mask takes those of a list: {listed}")
@@ -181,8 +182,8 @@ def _completed(file: ForeignFile, info: EpisodeInfo) -> EpisodeInfo:
         words = [word for word, missing in untold.items() if missing]
         options = [f"--{word.replace(' ', '-')}{'-hz' * (word != 'task')}" for word in words]
         raise ParameterError(
-            f"another tool wrote this file, which does not tell its {' and its '.join(words)}; "
-            f"give {' and '.join(options)}, and --keys for what it calls otherwise"
+            f"another tool wrote this file, which does not tell its {' and its '.join(words)}, or "
+            f"several; give {' and '.join(options)}, and --keys for what it calls otherwise"
         )
     if not is_rate(rate_hz):
         raise StoreError(

@@ -31,12 +31,14 @@ class Parquet:
         """Read what the file says of itself, and no row."""
         self.file = file
         self._limits = limits
-        self._opened = pq.ParquetFile(tree.open(file))
-        groups = (self._opened.metadata.row_group(n) for n in range(self._opened.num_row_groups))
-        self._groups = tuple(groups)
+        self._tree = tree
+        with tree.open(file) as opened:
+            parquet = pq.ParquetFile(opened)
+            self._metadata = parquet.metadata
+            self.columns = tuple(parquet.schema_arrow.names)
+        self._groups = tuple(map(self._metadata.row_group, range(self._metadata.num_row_groups)))
         self._starts = np.cumsum([0, *(group.num_rows for group in self._groups)])
         self.length = int(self._starts[-1])
-        self.columns = tuple(self._opened.schema_arrow.names)
 
     def numbers(self, column: str, start: int, stop: int, shape: tuple[int, ...]) -> NDArray:
         """(stop - start, *shape) numbers; raises StoreError for anything else."""
@@ -70,7 +72,9 @@ class Parquet:
         groups = list(range(max(first, 0), last))
         told = (self._column_bytes(group, column) for group in groups)
         self._limits.require_memory(f"{column} of {self.file}", sum(told))
-        table = self._opened.read_row_groups(groups, columns=[column], use_threads=False)
+        with self._tree.open(self.file) as opened:
+            parquet = pq.ParquetFile(opened, metadata=self._metadata)
+            table = parquet.read_row_groups(groups, columns=[column], use_threads=False)
         begin = start - int(self._starts[groups[0]]) if groups else 0
         whole = table.column(column).slice(begin, stop - start).combine_chunks()
         return whole.storage if isinstance(whole, pa.ExtensionArray) else whole

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import SheathError, StoreError
+from sheath_manip.exceptions import SetupError, SheathError, StoreError
 from sheath_manip.types import Outcome
 
 DefaultKeys = Mapping[str, tuple[str, ...]]
@@ -61,6 +61,9 @@ def one_line(path: Path, wanted: str) -> Iterator[None]:
     """Whatever zarr, h5py and their codecs raise (they share no class) as one line."""
     try:
         yield
+    except SetupError:
+        # The file is as sound as it was.
+        raise
     except SheathError as error:
         if str(path) in str(error):
             raise
