@@ -43,8 +43,8 @@ class Reader:
     """packages to install without what they ask for"""
     writer: str = ""
     """script that exports, where only the venv can"""
-    driver: str = ""
-    """script in which policies of the venv's drive in this project's loop"""
+    drivers: tuple[str, ...] = ()
+    """scripts in which policies of the venv's drive in this project's loop"""
 
 
 READERS = {
@@ -96,12 +96,17 @@ READERS = {
             "regex",
             "requests",
             "safetensors",
-            # For our side of its writer.
+            # For our side of its writer, and for the loop and a gate.
+            "opencv-python-headless",
+            "rich",
+            "scikit-learn",
+            "scipy",
+            "threadpoolctl",
             "zarr==3.1.6",
         ),
         bare=("diffusers==0.35.2", "lerobot==0.4.4", "torchvision==0.28.0"),
         writer="write_lerobot.py",
-        driver="drive_lerobot.py",
+        drivers=("drive_lerobot.py", "gate_lerobot.py"),
     ),
 }
 
@@ -156,12 +161,14 @@ def read_back(reader: Reader, python: Path, store: EpisodeStore, folder: Path) -
     return said
 
 
-def drive(reader: Reader, python: Path, folder: Path) -> str:
-    """Have policies of the venv's drive in our loop and in their own; what was said of it.
+def drive(reader: Reader, python: Path, folder: Path) -> list[str]:
+    """Have policies of the venv's drive in our loop; what was said of it.
 
-    Raises CalledProcessError where the two differ; the error is printed before.
+    Raises CalledProcessError where one does not as in its own; the error is printed before.
     """
-    return run(python, reader.driver, folder, project=True)
+    return [
+        run(python, script, folder / Path(script).stem, project=True) for script in reader.drivers
+    ]
 
 
 def run(python: Path, script: str, *arguments: Path, project: bool = False) -> str:
@@ -206,8 +213,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 python = make_venv(options.directory / name, READERS[name])
                 for line in read_back(READERS[name], python, store, Path(folder)):
                     print(line, flush=True)
-                if READERS[name].driver:
-                    print(drive(READERS[name], python, Path(folder, "policies")), flush=True)
+                for line in drive(READERS[name], python, Path(folder)):
+                    print(line, flush=True)
             except subprocess.CalledProcessError as error:
                 print(f"{name}: FAILED ({error})", flush=True)
                 failed += 1

@@ -58,8 +58,9 @@ def test_a_replay_buffer_in_a_directory_and_in_a_zip(python: Path, tmp_path: Pat
 
 @pytest.mark.soak
 def test_lerobots_policies_drive_as_in_its_own_loop(lerobots_python: Path, tmp_path: Path) -> None:
-    said = drive(LEROBOT, lerobots_python, tmp_path)
-    assert said == (
+    loops, page = drive(LEROBOT, lerobots_python, tmp_path)
+    assert loops == (
         "lerobot 0.4.4: 23 steps equal to the bit; act: 5 passes, act averaging: 23 passes, "
         "diffusion: 5 passes"
     )
+    assert page.startswith("docs/own/lerobot.md: success, the expert acted in ")

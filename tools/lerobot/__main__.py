@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 # Before anything asks for them: nothing is to be fetched, and no bar to be drawn into a log.
 os.environ |= {"HF_HUB_OFFLINE": "1", "TQDM_DISABLE": "1", "HF_DATASETS_DISABLE_PROGRESS_BARS": "1"}
@@ -23,7 +22,8 @@ import torch
 
 import tools.readers.declare_torchvision  # noqa: F401
 from sheath_manip.files.json_files import plain, write_json
-from tools.lerobot.rounds import METHODS, Plan, Run
+from tools.lerobot.bars import bars
+from tools.lerobot.rounds import Plan, Run
 
 QUICK = Plan(
     demonstrations=3, calibration=3, fresh=3, rounds=1, episodes=2, steps=60, final=3, judged=1
@@ -63,29 +63,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for bar, holds in held.items():
         print(f"{'holds ' if holds else 'MISSED'} {bar}")
     return 0 if all(held.values()) else 1
-
-
-def bars(results: dict[str, Any]) -> dict[str, bool]:
-    """Return what was to be shown, as far as it can be told, and whether it was."""
-    start, methods = results["start"], results["methods"]
-    alone, judged, alarms = start["alone"], start["judged"], start["false_alarms"]
-    ours = round(alone["success_rate"] * alone["episodes"])
-    first = alone["success_rate"]
-    last = {name: rounds[-1]["alone"]["success_rate"] for name, rounds in methods.items()}
-    of_start = {
-        "alone within 2 of LeRobot's own loop": abs(ours - start["lerobots_own_loop"]["successes"])
-        <= 2,
-        "the judged action is the given one": judged["judged_is_given"] == judged["policy_steps"],
-        "one forward pass a chunk": start["forward_passes"] == start["chunks"],
-        "false alarms as asked within 3 points": abs(alarms["found"] - alarms["asked"]) <= 0.03,
-    }
-    if not {*METHODS} <= {*last}:
-        return of_start
-    return of_start | {
-        "no method ends below its start": all(rate >= first for rate in last.values()),
-        "SHEATH's last policy succeeds in .60": last["sheath"] >= 0.60,
-        "SHEATH's last policy above random takeover's": last["sheath"] > last["random-takeover"],
-    }
 
 
 def versions() -> dict[str, str]:

@@ -16,15 +16,14 @@ from sheath_manip.gates.mixture import Mixture
 from sheath_manip.gates.takeover import RandomTakeover
 from sheath_manip.protocols import Gate
 from sheath_manip.types import Episode, Purpose
+from tools.lerobot.bars import METHODS
 from tools.lerobot.gates import FALSE_ALARM_RATE, false_alarms, fitted_gate
 from tools.lerobot.measuring import judged_as_given, passes_alone, told_of
-from tools.lerobot.own_loop import own_episode
+from tools.lerobot.own_loop import own_episodes
 from tools.lerobot.scenes import Scenes
 from tools.lerobot.sets import join_sets, write_set
 from tools.lerobot.training import CHUNK, POLICY, train_act
 
-METHODS = ("sheath", "random-takeover", "dagger")
-"""in this order: random takeover is given SHEATH's share of the same round"""
 FRESH = 90
 """number of a round that there is none of, whose scenes are for demonstrations that are fresh"""
 
@@ -70,7 +69,7 @@ class Run:
         policy = load_policy(path, spec=scenes.spec)
         ours, passes = passes_alone(scenes, policy, plan.final)
         seeds = [episode.info.seed for episode in ours]
-        theirs = [own_episode(path, scenes.environment, seed, scenes.robot) for seed in seeds]
+        theirs = own_episodes(path, scenes.environment, seeds, scenes.robot)
         gate = fitted_gate(policy, self.demonstrations, self.calibration)
         fresh = scenes.shown(Purpose.LEARNING, plan.fresh, FRESH)
         return {
