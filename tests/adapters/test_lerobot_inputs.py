@@ -14,7 +14,10 @@ INPUTS = Inputs(VECTORS, IMAGES, feature_names=SPEC.feature_names)
 
 
 def test_the_config_says_what_goes_in():
-    assert Inputs.described(config()) == Inputs(VECTORS, IMAGES)
+    backwards = dict(reversed(config()["input_features"].items()))
+    found = Inputs.described(config(input_features=backwards))
+    assert (found.vectors, found.images) == (VECTORS, IMAGES)
+    assert list(found.vectors) == list(VECTORS)
     INPUTS.check(SPEC)
 
 
