@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import CheckpointError, ParameterError
 from sheath_manip.types import Observations, TaskSpec
 
-IMAGE = "observation.image"
-IMAGES = "observation.images."
+PREFIX = "observation."
 _VECTORS, _IMAGE = ("STATE", "ENV"), "VISUAL"
 
 
@@ -21,12 +20,12 @@ class Inputs:
     """The inputs of one policy: vectors and images by LeRobot's names, and where they come from."""
 
     vectors: Mapping[str, int]
-    """how many numbers, by name, in the config's order"""
+    """how many numbers, by name: the robot's state, then what LeRobot calls the environment's"""
     images: Mapping[str, tuple[int, int]]
     """(height, width) in pixels, by name"""
     cameras: Mapping[str, str] = field(default_factory=dict)
     """camera of the observation by the image's name, where it is not what follows
-    `observation.images.`"""
+    `observation.images.` or `observation.`"""
     features: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """names of features by the vector's name, where the vectors are not simply all features in
     their order"""
@@ -41,14 +40,15 @@ class Inputs:
             config: its content.
             where: `cameras`, `features` and `feature_names`.
         """
-        vectors, images = {}, {}
+        vectors: dict[str, dict[str, int]] = {kind: {} for kind in _VECTORS}
+        images: dict[str, tuple[int, int]] = {}
         try:
             for name, feature in config["input_features"].items():
                 kind, shape = feature["type"], feature["shape"]
                 if kind == _IMAGE:
                     images[name] = (int(shape[1]), int(shape[2]))
                 elif kind in _VECTORS:
-                    vectors[name] = int(shape[0])
+                    vectors[kind][name] = int(shape[0])
                 else:
                     raise CheckpointError(
                         f"the policy wants {name} of the kind {kind}; wanted one that takes "
@@ -59,7 +59,9 @@ class Inputs:
                 f"the policy's config.json does not say what it takes ({type(error).__name__}: "
                 f"{error}); wanted `input_features` as LeRobot 0.4 writes them"
             ) from error
-        return cls(vectors, images, **where)
+        # The robot's state first, in whatever order the config has them.
+        ordered = {name: width for kind in _VECTORS for name, width in vectors[kind].items()}
+        return cls(ordered, images, **where)
 
     def check(self, spec: TaskSpec) -> None:
         """Raise ParameterError where a task does not show what the policy takes."""
@@ -86,9 +88,10 @@ class Inputs:
 
     def _camera(self, name: str, there: Mapping[str, Any]) -> str:
         named = self.cameras.get(name)
-        if named is None and name == IMAGE and len(there) == 1:
+        if named is None and name == f"{PREFIX}image" and len(there) == 1:
             return next(iter(there))
-        camera = name.removeprefix(IMAGES) if named is None else named
+        # As the import of LeRobot's data sets names them.
+        camera = name.removeprefix(PREFIX).removeprefix("images.") if named is None else named
         if camera in there:
             return camera
         raise ParameterError(

@@ -5,15 +5,12 @@ A policy learns it in minutes on a CPU, and no picture is drawn.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.task import Task
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.entry import make
-from sheath_manip.tasks.grasp_clutter.expert import GraspExpert
 from sheath_manip.tasks.grasp_clutter.scene import EASY, MEDIUM, Difficulty
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
 from sheath_manip.types import (
@@ -26,6 +23,7 @@ from sheath_manip.types import (
     Transition,
 )
 
+DIFFICULTIES = {"easy": EASY, "medium": MEDIUM}
 NEAREST = 4
 """objects of the clutter that are told of: those nearest to the target"""
 _TARGET = (
@@ -120,16 +118,3 @@ class StateEnvironment:
             one = objects[place]
             seen += [*(places[place] - tool)[:2], one.reach_m, one.height_m]
         return np.array(seen)
-
-
-def expert(environment: StateEnvironment) -> GraspExpert:
-    """Return the task's own expert."""
-    return GraspExpert(environment.inner)
-
-
-STATE_TASK = Task(
-    name="grasp-clutter-state",
-    summary="grasp-clutter without cameras, the objects among the features",
-    variants={"easy": partial(StateEnvironment, EASY), "medium": partial(StateEnvironment, MEDIUM)},
-    expert=expert,
-)

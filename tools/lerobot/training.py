@@ -87,13 +87,13 @@ def act_config() -> Any:
         ),
         # Weights from elsewhere would have to be downloaded; there is no camera either.
         pretrained_backbone_weights=None,
-        dim_model=128,
+        dim_model=64,
         n_heads=4,
-        dim_feedforward=256,
+        dim_feedforward=128,
         n_encoder_layers=2,
         # The expert has one way of doing it, so there is no style to be inferred.
         use_vae=False,
         dropout=0.0,
-        optimizer_lr=5e-4,
+        optimizer_lr=1e-3,
         optimizer_weight_decay=1e-4,
     )

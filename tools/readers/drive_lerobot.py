@@ -23,6 +23,7 @@ from lerobot.policies.diffusion.modeling_diffusion import DiffusionPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
 from sheath_manip.adapters.lerobot import load_policy
+from sheath_manip.exceptions import CheckpointError
 from sheath_manip.types import ActionSpec, Observations, TaskSpec
 
 STEPS, CHUNK = 23, 5
@@ -147,6 +148,16 @@ def compare(kind, policy, network, path):
     return f"{kind}: {len(passes)} passes"
 
 
+def refuses(path, says, **where):
+    """A line for what LeRobot cannot load."""
+    try:
+        load_policy(path, **where)
+    except CheckpointError as error:
+        line = str(error)
+    assert says in line, line
+    assert "\n" not in line
+
+
 logging.disable(logging.WARNING)
 torch.set_num_threads(1)
 torch.manual_seed(0)
@@ -189,4 +200,12 @@ said = [
         directory / "diffusion",
     ),
 ]
+# Without the task's spec it goes by the actions that the policy was trained on.
+loose = load_policy(directory / "act")
+assert np.allclose(loose.action.minimum, statistics()["action"]["min"])
+assert np.allclose(loose.action.maximum, statistics()["action"]["max"])
+refuses(directory / "act", "on nowhere", device="nowhere")
+weights = directory / "act" / "model.safetensors"
+weights.write_bytes(weights.read_bytes()[:1000])
+refuses(directory / "act", "LeRobot cannot load")
 print(f"lerobot {lerobot.__version__}: {STEPS} steps equal to the bit; {', '.join(said)}")
