@@ -65,6 +65,7 @@ def theirs(tmp_path_factory) -> Path:
 def _place(theirs, monkeypatch):
     """Work in that folder, of which no module is left behind."""
     monkeypatch.setattr(sys, "path", [str(theirs), *sys.path])
+    sys.modules.pop("mine", None)
     monkeypatch.chdir(theirs)
     yield
     sys.modules.pop("mine", None)
