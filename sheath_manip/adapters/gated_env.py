@@ -128,7 +128,7 @@ class GatedEnv(gymnasium.Wrapper):
         to act or the environment fails: then the robot was told to hold.
         """
         if self._stepping is None or self._stepping.over:
-            raise ParameterError("no episode is under way; wanted reset() before this step()")
+            raise ParameterError("no episode is under way; wanted reset() first")
         stepping, self._handed.handed = self._stepping, action
         try:
             control_step(stepping, self._policy, self._gate, self._actors)

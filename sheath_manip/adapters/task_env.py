@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.adapters.task_spaces import TaskSpaces
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.rollout.actors import Actors
+from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.stage import Stage
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import Task
@@ -66,14 +67,20 @@ class TaskEnv(gymnasium.Env):
             raise ParameterError(
                 f"{task.name} has neither a picture nor a camera; wanted render_mode=None"
             )
-        self.present: Observation | None = None
-        """what is seen now; None before the first `reset`"""
         self.transition: Transition | None = None
         """what the last action led to; None before the first of an episode"""
+        self._present: Observation | None = None
         self._stage = Stage(self.environment)
         self._scene = 0
         self._closed = False
         self._asked: Actors | None = None
+
+    @property
+    def present(self) -> Observation:
+        """What is seen now; raises ParameterError before the first `reset`."""
+        if self._present is None:
+            raise ParameterError("no episode is under way; wanted reset() first")
+        return self._present
 
     def draw_scene(self) -> int:
         """Return the seed of the next scene, drawn from `np_random`."""
@@ -88,26 +95,26 @@ class TaskEnv(gymnasium.Env):
         self._scene = self.draw_scene() if named is None else int(named)
         if not 0 <= self._scene < SCENES:
             raise ParameterError(f"the seed is {self._scene}; wanted 0 .. {SCENES - 1}")
-        self.present, self.transition = None, None
-        self.present = self._stage.reset(self._scene)
+        self._present, self.transition = None, None
+        self._present = self._stage.reset(self._scene)
         if self._asked is not None:
             self._asked.reset()
-            self._asked.follow(self.present)
-        return self.spaces.seen(self.present), self._info()
+            self._asked.follow(self._present)
+        return self.spaces.seen(self._present), self._info()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Run one control step; raises ParameterError where no episode is under way."""
         done = self.transition is not None and (
             self.transition.terminated or self.transition.truncated
         )
-        if self.present is None or done:
-            raise ParameterError("no episode is under way; wanted reset() before this step()")
+        if self._present is None or done:
+            raise ParameterError("no episode is under way; wanted reset() first")
         transition = self._stage.step(self.spaces.taken(action))
-        self.present, self.transition = transition.observation, transition
+        self._present, self.transition = transition.observation, transition
         if self._asked is not None:
-            self._asked.follow(self.present)
+            self._asked.follow(self._present)
         return (
-            self.spaces.seen(self.present),
+            self.spaces.seen(self._present),
             transition.reward,
             transition.terminated,
             transition.truncated,
@@ -119,24 +126,22 @@ class TaskEnv(gymnasium.Env):
 
         It is made when it is first asked. Raises BrokenError where it has no answer.
         """
-        if self.present is None:
-            raise ParameterError("no episode is under way; wanted reset() before expert()")
+        present = self.present
         if self._asked is None:
-            expert = self.task.make_expert(self.environment)
+            expert = CachedExpert(self.task.make_expert(self.environment))
             self._asked = Actors({Actor.EXPERT: expert}, None, self.task_spec.action)
             self._asked.reset()
-            self._asked.follow(self.present)
-        return self.spaces.shown(self._asked.label(self.present))
+            self._asked.follow(present)
+        return self.spaces.shown(self._asked.label(present))
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """(h, w, 3) RGB as the task's films show it, or the first camera's; None in no mode."""
         if self.render_mode is None:
             return None
-        if self.present is None:
-            raise ParameterError("no episode is under way; wanted reset() before render()")
+        present = self.present
         if self.task.picture is not None:
             return self.task.picture(self.environment)
-        return next(iter(self.present.images.values())).copy()
+        return next(iter(present.images.values())).copy()
 
     def close(self) -> None:
         """Free the simulator; nothing happens where it is free already."""
@@ -145,7 +150,7 @@ class TaskEnv(gymnasium.Env):
             self.environment.close()
 
     def _info(self) -> dict[str, Any]:
-        outcome = self._stage.outcome()
+        outcome = Outcome(self._stage.outcome())
         success = outcome is Outcome.SUCCESS
         return {
             "outcome": str(outcome),

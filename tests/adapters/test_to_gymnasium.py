@@ -39,9 +39,10 @@ def test_nor_with_a_task_of_ones_own(task):
 
 def test_spaces_are_what_the_task_shows_and_takes():
     env = to_gymnasium(CORRIDOR)
-    assert env.observation_space["above"].shape == (64, 64, 3)
-    assert env.observation_space["above"].dtype == np.uint8
-    assert env.observation_space["features"].shape == (2,)
+    assert isinstance(env.observation_space, gymnasium.spaces.Dict)
+    seen = env.observation_space.spaces
+    assert (seen["above"].shape, seen["above"].dtype) == ((64, 64, 3), np.uint8)
+    assert seen["features"].shape == (2,)
     assert env.action_space == gymnasium.spaces.Discrete(3)
     alone = to_gymnasium(SLIDE)
     assert isinstance(alone.observation_space, gymnasium.spaces.Box)
@@ -59,6 +60,7 @@ def test_the_seed_is_the_scenes_and_the_same_actions_give_the_same_episode():
         "metrics": {"progress": 0.0},
         "scene": 7,
     }
+    reward, terminated, truncated = 0.0, False, False
     for _ in range(12):
         assert np.array_equal(seen["features"], wanted.features)
         assert np.array_equal(seen["above"], wanted.images["above"])
@@ -91,6 +93,7 @@ def test_an_option_names_the_scene_and_leaves_the_generator_alone():
 
 def test_it_is_driven_by_the_variant_that_is_asked_for():
     env = to_gymnasium(CORRIDOR, "final")
+    assert isinstance(env.environment, Corridor)
     assert env.environment.steps == 24
     with pytest.raises(UnknownNameError, match="unknown variant of corridor 'icy'"):
         to_gymnasium(CORRIDOR, "icy")
@@ -99,12 +102,12 @@ def test_it_is_driven_by_the_variant_that_is_asked_for():
 def test_pictures_are_the_tasks_or_the_first_cameras():
     env = to_gymnasium(CORRIDOR, render_mode="rgb_array")
     seen, _ = env.reset(seed=0)
-    assert np.array_equal(env.render(), seen["above"])
+    assert (env.render() == seen["above"]).all()
     drawn = replace(CORRIDOR, picture=lambda corridor: np.full((4, 6, 3), corridor.done, np.uint8))
     env = to_gymnasium(drawn, render_mode="rgb_array")
     env.reset(seed=0)
     env.step(1)
-    assert np.array_equal(env.render(), np.ones((4, 6, 3), np.uint8))
+    assert (env.render() == np.ones((4, 6, 3), np.uint8)).all()
     assert to_gymnasium(CORRIDOR).render() is None
     with pytest.raises(ParameterError, match="neither a picture nor a camera"):
         to_gymnasium(SLIDE, render_mode="rgb_array")

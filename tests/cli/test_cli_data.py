@@ -44,7 +44,7 @@ class TestLook:
         for name in names(demos):
             assert name in out
         assert "3 episodes, 36 steps" in out
-        assert "3 success (100%); the expert acted in 100% of the steps" in out
+        assert "3 succeeded, 0 failed, 0 stuck; the expert acted in 100% of the steps" in out
 
     def test_list_card(self, sheath, demos):
         code, out, err = sheath("data", "list", demos, "--card", "--licence", "CC-BY-4.0")
@@ -54,7 +54,7 @@ class TestLook:
         for line in (
             "- licence: CC-BY-4.0",
             "- control rate: 50 Hz",
-            "- outcomes: 3 success",
+            "- outcomes: 3 succeeded, 0 failed, 0 stuck",
             "- progress: mean 1",
             "| `images/above` | uint8 | (T, 64, 64, 3) | RGB, before the action |",
             "| `features` | float32 | (T, 2) | what is measured, before the action: `x_m`, `y_m` |",
