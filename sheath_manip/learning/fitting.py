@@ -84,7 +84,7 @@ def fit_gate(
     """Fit the signal of `config` to the policy's training `states`, and calibrate the threshold.
 
     Where too many states have no score for any threshold, the gate takes none for inside. Warns
-    (GateWarning) where hardly any state can score below the threshold.
+    (GateWarning) where hardly any state can score below the threshold: `support.reach`.
 
     Args:
         policy: fitted to `states`.

@@ -43,7 +43,7 @@ def test_the_threshold_keeps_the_asked_rate_of_held_out_steps():
 
 
 def test_or_the_probability_that_an_episode_alarms_at_all():
-    with pytest.warns(GateWarning, match="hardly ever take over"):
+    with pytest.warns(GateWarning, match="may never take over"):
         fitted = gate(ruled(rule="episodes"))
     assert sum(alarms(fitted, one) > 0 for one in CALIBRATION) <= 1
     assert fitted.threshold < gate(CONFIG).threshold
