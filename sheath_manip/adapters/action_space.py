@@ -56,7 +56,9 @@ class ActionLayout:
                 f"the action space {space} has infinite bounds; wanted bounds=(LEAST, GREATEST), "
                 "such as bounds=(-1, 1)"
             )
-        return cls(space, ActionSpec(_named(names, minimum.size), minimum, maximum, tolerance=tolerance))
+        return cls(
+            space, ActionSpec(_named(names, minimum.size), minimum, maximum, tolerance=tolerance)
+        )
 
     def given(self, action: Action) -> Any:
         """Return a validated action as the environment wants it."""

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from sheath_manip.adapters.from_robosuite import from_robosuite
-
 ABOVE_M, NEAR_M = 0.06, 0.012
 """how far above the cube the hand comes, and within what it is there"""
 OPEN_M, STILL_M_PER_S = 0.068, 0.01
