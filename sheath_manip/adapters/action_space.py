@@ -25,6 +25,7 @@ class ActionLayout:
         space: spaces.Space,
         names: Sequence[str] | None = None,
         bounds: tuple[ArrayLike, ArrayLike] | None = None,
+        tolerance: float = 0.1,
     ) -> Self:
         """Return the layout of `space`.
 
@@ -32,6 +33,7 @@ class ActionLayout:
             space: a Discrete, or a Box of numbers that are no integers.
             names: of its dimensions; by default action_0, action_1 and so on.
             bounds: the least and the greatest action, where the space has none of its own.
+            tolerance: of the spec, where actions are continuous.
 
         Raises ParameterError for another space, and for one without bounds.
         """
@@ -54,7 +56,9 @@ class ActionLayout:
                 f"the action space {space} has infinite bounds; wanted bounds=(LEAST, GREATEST), "
                 "such as bounds=(-1, 1)"
             )
-        return cls(space, ActionSpec(_named(names, minimum.size), minimum, maximum))
+        return cls(
+            space, ActionSpec(_named(names, minimum.size), minimum, maximum, tolerance=tolerance)
+        )
 
     def given(self, action: Action) -> Any:
         """Return a validated action as the environment wants it."""

@@ -47,6 +47,7 @@ class Adapted:
     feature_names: Mapping[str, Sequence[str]] = field(default_factory=dict)
     action_names: Sequence[str] | None = None
     bounds: tuple[ArrayLike, ArrayLike] | None = None
+    tolerance: float = 0.1
     render: str = ""
     memory: tuple[Save, Load] | None = None
     tool: str = ""
@@ -88,7 +89,7 @@ class Adapted:
     def _terms(self, gym: gymnasium.Env) -> Terms:
         space, names = gym.observation_space, self.feature_names
         observations = ObservationLayout.of(space, names, self.leave_out)
-        actions = ActionLayout.of(gym.action_space, self.action_names, self.bounds)
+        actions = ActionLayout.of(gym.action_space, self.action_names, self.bounds, self.tolerance)
         cameras = dict(observations.cameras)
         if self.render:
             cameras[self.render] = _rendered_size(gym)
@@ -121,6 +122,7 @@ def from_gymnasium(
     feature_names: Mapping[str, Sequence[str]] | None = None,
     action_names: Sequence[str] | None = None,
     bounds: tuple[ArrayLike, ArrayLike] | None = None,
+    tolerance: float = 0.1,
     render: str = "",
     rest: ArrayLike | None = None,
     memory: tuple[Save, Load] | None = None,
@@ -149,6 +151,8 @@ def from_gymnasium(
         feature_names: of features, by key; KEY_0, KEY_1 and so on by default.
         action_names: of the action's dimensions.
         bounds: the least and the greatest action of a space that has none.
+        tolerance: share of its range by which each number of two continuous actions may differ and
+            they still count as the same.
         render: name of a camera that shows what the environment renders as `rgb_array`.
         rest: the action that leaves the robot where it is, where there is one.
         memory: two functions, to save what the unwrapped environment remembers, as (s,) numbers,
@@ -174,6 +178,7 @@ def from_gymnasium(
         feature_names or {},
         action_names,
         bounds,
+        tolerance,
         render,
         memory,
         tool,

@@ -13,8 +13,10 @@ from sheath_manip.types import Observation
 
 BARE = "observation"
 """the key of a space that is no Dict"""
+MOST = 1024
+"""numbers of one key: more of them are a picture in another form, or points, and no features"""
 TAKEN = (
-    "taken are images of uint8 (h, w, 3) or (3, h, w), and numbers of at most two axes: Box, "
+    f"taken are images of uint8 (h, w, 3) or (3, h, w), and numbers, at most {MOST} of a key: Box, "
     "Discrete, MultiBinary and MultiDiscrete, also in Dicts; leave_out=[KEY] leaves others out"
 )
 
@@ -113,7 +115,7 @@ def _image(value: Any) -> NDArray[np.uint8]:
 def _names(leaf: Leaf, named: Sequence[str] | None) -> Sequence[str]:
     numbers = spaces.Box | spaces.Discrete | spaces.MultiBinary | spaces.MultiDiscrete
     shape = leaf.space.shape
-    if not isinstance(leaf.space, numbers) or shape is None or len(shape) > 2:
+    if not isinstance(leaf.space, numbers) or shape is None or np.prod(shape) > MOST:
         raise ParameterError(f"observation {leaf.key!r} is {leaf.space}; {TAKEN}")
     size = int(np.prod(shape))
     if named is None:

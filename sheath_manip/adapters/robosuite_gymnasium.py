@@ -65,7 +65,7 @@ class RobosuiteGymnasium(gymnasium.Env):
 
     def memory(self) -> NDArray[np.float64]:
         """(m,) what grippers were told so far, and what was observed: robosuite samples early."""
-        grippers = [np.ravel(gripper.current_action) for gripper in self._grippers]
+        grippers = [_padded(each.current_action, len(each.actuators)) for each in self._grippers]
         seen = [np.ravel(each.obs) for each in self._observables]
         return np.concatenate([np.zeros(0), *grippers, *seen]).astype(np.float64)
 
@@ -75,8 +75,8 @@ class RobosuiteGymnasium(gymnasium.Env):
         self.inner._obs_cache = {}
         self.inner._update_observables(force=True)
         for gripper in self._grippers:
-            told, memory = np.split(memory, [np.size(gripper.current_action)])
-            gripper.current_action = told.reshape(np.shape(gripper.current_action))
+            told, memory = np.split(memory, [1 + len(gripper.actuators)])
+            gripper.current_action = told[1 : 1 + int(told[0])]
         for each in self._observables:
             seen, memory = np.split(memory, [np.size(each.obs)])
             each._current_observed_value = seen.reshape(np.shape(each.obs))
@@ -104,6 +104,11 @@ class RobosuiteGymnasium(gymnasium.Env):
 
     def _is_flipped(self, key: str) -> bool:
         return self._flips and key.endswith(IMAGE)
+
+
+def _padded(told: NDArray, size: int) -> NDArray[np.float64]:
+    """(1 + size,) how many numbers a gripper was told, and these: at first they may be fewer."""
+    return np.concatenate([[len(told)], told, np.zeros(size - len(told))])
 
 
 def _space(key: str, value: NDArray) -> spaces.Box:
