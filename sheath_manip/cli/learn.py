@@ -130,8 +130,8 @@ class Learn(Planned):
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
-        from sheath_manip.metrics import endings_line, expert_share
         from sheath_manip.learning.suited import suited
+        from sheath_manip.metrics import endings_line, expert_share
 
         plan = with_final_variant(task, LearningPlan(policy, self.gate, self.schedule, comparison))
         with opened(task, plan.schedule.variant, self.seed) as probe:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.protocols import Environment, Holds, Restorable
+from sheath_manip.protocols.environment import require_restorable
 from sheath_manip.rollout.checking import (
     kept_metrics,
     kept_observation,
@@ -35,8 +36,16 @@ class Stage:
         return ask(ENVIRONMENT, self._reset, seed)
 
     def restore(self, state: NDArray[np.float64]) -> Observation:
-        """Continue from a state of the episode that was started."""
-        return ask(ENVIRONMENT, self._restore, state)
+        """Continue from a state of the episode that was started.
+
+        Raises ParameterError where the environment cannot.
+        """
+        restorable = require_restorable(self.environment, "episodes that go on from a state")
+        # A copy, which it may change as it likes.
+        return ask(
+            ENVIRONMENT,
+            lambda: kept_observation(restorable.restore(state.copy()), self.spec),
+        )
 
     def state(self) -> NDArray[np.float64]:
         """(s,) the simulator's state; (0,) of one that cannot be restored."""
@@ -61,10 +70,6 @@ class Stage:
 
     def _reset(self, seed: int) -> Observation:
         return kept_observation(self.environment.reset(seed), self.spec)
-
-    def _restore(self, state: NDArray[np.float64]) -> Observation:
-        # A copy, which it may change as it likes.
-        return kept_observation(self.environment.restore(state.copy()), self.spec)
 
     def _state(self) -> NDArray[np.float64]:
         if self._restorable is None:
