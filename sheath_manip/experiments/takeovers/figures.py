@@ -74,7 +74,7 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
                 label=f"oracle, {oracle['scenes']} of the scenes",
                 clip_on=False,
             )
-        axes.set_ylim(0, 1)
+        axes.set_ylim(0, 1.02)
         axes.set_xlim(left=0)
         axes.grid(visible=True, axis="both")
         if axis == TAKEOVERS:
