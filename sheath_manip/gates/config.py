@@ -51,6 +51,9 @@ class GateConfig:
     """steps in a row above the score of release before the expert hands back"""
     minimum_hold_steps: int = 0
     """least number of steps for which the expert acts once it has taken over"""
+    stuck_steps: int = 0
+    """steps in which nothing moves, by the expert's own stillest, after which the expert takes
+    over; 0: nobody notices"""
     requests: RequestConfig = field(default_factory=RequestConfig)
     labels: str = "all"
     """states that the expert labels: all, or own (only those in which it acts)"""
@@ -60,7 +63,7 @@ class GateConfig:
             raise ParameterError(f"expert_share is {self.expert_share}; wanted 0 .. 1")
         if not 0 <= self.release_rate < 1:
             raise ParameterError(f"release_rate is {self.release_rate}; wanted 0 to below 1")
-        for name in ("release_margin", "quiet_steps", "minimum_hold_steps"):
+        for name in ("release_margin", "quiet_steps", "minimum_hold_steps", "stuck_steps"):
             if not getattr(self, name) >= 0:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 0")
         if self.labels not in LABELS:

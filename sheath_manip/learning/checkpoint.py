@@ -17,6 +17,7 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
+from sheath_manip.gates.progress import Progress
 from sheath_manip.learning.checkpoint_file import (
     WRITTEN_BY,
     read_arrays,
@@ -151,6 +152,8 @@ def write_parts(
         **facts,
     }
     signal = {} if fitted.signal is None else {"signal": fitted.signal.arrays()}
+    if fitted.progress is not None:
+        signal |= {"progress": fitted.progress.arrays()}
     with written_aside(path) as aside, aside.open("wb") as file:
         write_arrays(file, header, flatten({**learned, **signal}))
     return path
@@ -166,6 +169,8 @@ def fitted_in(header: Mapping[str, Any], policy: PredictingPolicy, arrays: Array
         release_margin=float(header["release_margin"]),
         sources=Sources(*(tuple(map(str, header["sources"][name])) for name in SOURCES)),
     )
+    if config.stuck_steps:
+        fitted = replace(fitted, progress=Progress.load(subtree(arrays, "progress")))
     if not header["has_signal"]:
         return fitted
     signal = make_signal(planned_signal(config))

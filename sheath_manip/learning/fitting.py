@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.progress import Progress
 from sheath_manip.policies.looking import look, look_to_fit
 from sheath_manip.protocols import Agreement, HasFloor, PredictingPolicy, Refits, Signal
 from sheath_manip.signals import make_signal
@@ -118,7 +119,9 @@ def fit_to_looks(
 ) -> FittedGate:
     """Fit `signal`, unfitted and attached to `policy`, to what was looked at already."""
     measures = _calibrated(signal.fit(looks.labels, looks.states, agreement), looks)
-    fitted = FittedGate(config, policy, signal, sources=sources)
+    expert = [seen.features for seen in looks.calibration]
+    progress = Progress.of(expert, config.stuck_steps) if config.stuck_steps else None
+    fitted = FittedGate(config, policy, signal, sources=sources, progress=progress)
     if previous is not None and not config.threshold.recalibrate:
         kept = previous.threshold, previous.release_margin
         return _checked(replace(fitted, threshold=kept[0], release_margin=kept[1]), len(measures))
