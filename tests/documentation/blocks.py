@@ -23,7 +23,7 @@ NOT_RUN = {
     r"pip wheel": "tests/wheel",
     r"python examples/": "tests/test_examples.py",
     r"export AWS_|.*s3://": "wants a server: tests/dataset/test_remote.py has one",
-    r"sheath data import (pusht|low_dim)": "files of other projects; "
+    r"sheath data import (pusht|low_dim|lerobot/|D4RL/)": "files of other projects; "
     "tests/dataset/exchange has such files",
     r"sheath (run|learn|teleop) .*(--expert person|by-hand)": "waits for a person: tests/cockpit",
     r"sheath replay \S+$": "serves a page until Ctrl-C: tests/dashboard",
