@@ -16,8 +16,8 @@ from sheath_manip.gates.config import GateConfig
 from sheath_manip.gates.fitted import Sources
 from sheath_manip.learning.external import External
 from sheath_manip.learning.frozen import fit_frozen_gate
+from sheath_manip.learning.frozen_settings import FROZEN
 from sheath_manip.learning.gate_file import ExternalGate
-from sheath_manip.learning.suited import FROZEN
 from sheath_manip.types import (
     Action,
     Actor,

@@ -16,7 +16,7 @@ from sheath_manip.cli.session import Session, Verb
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LEAST_CALIBRATION, Schedule
-from sheath_manip.learning.suited import FROZEN
+from sheath_manip.learning.frozen_settings import FROZEN
 from sheath_manip.printable import printable
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import Sources
 from sheath_manip.gates.making import GATES
 from sheath_manip.learning.fitting import Fit, Looks, fit_to_looks
-from sheath_manip.learning.suited import SUITED
+from sheath_manip.learning.frozen_settings import SUITED
 from sheath_manip.policies.latent import latent_of
 from sheath_manip.policies.looking import end_to_end
 from sheath_manip.policies.looking_along import look_along

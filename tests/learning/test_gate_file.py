@@ -14,8 +14,8 @@ from sheath_manip.gates.fitted import Sources
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.checkpoint_file import read_arrays, write_arrays
 from sheath_manip.learning.frozen import fit_frozen_gate
+from sheath_manip.learning.frozen_settings import FROZEN
 from sheath_manip.learning.gate_file import gate_facts, load_gate
-from sheath_manip.learning.suited import FROZEN
 from sheath_manip.policies.looking_along import look_along
 from sheath_manip.support.config import SupportConfig
 from sheath_manip.types import Actor, Proposal, Reason
