@@ -1,8 +1,6 @@
 """A task of one's own in one file, without a simulator: checked, then driven by its expert.
 
-    python examples/own_task.py [own_task.png]
-
-A package's [project.entry-points."sheath.tasks"] with `cart = "own_task:CART"` gives it its name.
+python examples/own_task.py [own_task.png]
 """
 
 import sys
@@ -57,3 +55,4 @@ if __name__ == "__main__":
     check_task(CART)
     (episode,), path = sheath.demonstrations(CART, 1), (*sys.argv, "own_task.png")[1]
     Image.fromarray(sheath.contact_sheet(CART, episode, (0, -6, -1))).save(path)
+    print(f"{episode.outcome} after {len(episode)} steps, drawn in {path}")

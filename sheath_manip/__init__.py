@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from sheath_manip.adapters.from_callable import from_callable
     from sheath_manip.adapters.from_torch import from_torch
     from sheath_manip.array_environment import ArrayEnvironment
+    from sheath_manip.dataset.exchange.sources import import_data
     from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.exceptions import SheathError
     from sheath_manip.gates.config import GateConfig
@@ -80,6 +81,7 @@ __all__ = [
     "from_torch",
     "gated_episode",
     "held_out_threshold",
+    "import_data",
     "load_checkpoint",
     "load_gate",
     "make_policy",
@@ -90,6 +92,7 @@ _HOMES = {
     "adapters.from_callable": ("from_callable",),
     "adapters.from_torch": ("from_torch",),
     "array_environment": ("ArrayEnvironment",),
+    "dataset.exchange.sources": ("import_data",),
     "dataset.store": ("EpisodeStore",),
     "exceptions": ("SheathError",),
     "gates.config": ("GateConfig",),

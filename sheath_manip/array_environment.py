@@ -12,7 +12,7 @@ from sheath_manip.types import Observation, SceneGeom, ScenePose
 class ArrayEnvironment(ABC):
     """Base of such environments: what follows from `at`, the state, is here.
 
-    There are no shapes to show; a `picture` in the task's entry makes films all the same. What is
+    There are no shapes to show; `Task(picture=...)` makes films all the same. What is
     left to a task: `spec`, `reset`, `step`, `observe`, `outcome` and `metrics`.
     """
 

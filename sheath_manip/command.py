@@ -6,11 +6,12 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sheath_manip.rollout.threads import one_thread_by_default
 
 if TYPE_CHECKING:
+    from sheath_manip.adapters.task_env import TaskEnv
     from sheath_manip.cli.session import Catalog
 
 INTERRUPTED = 130
@@ -52,6 +53,16 @@ def load_catalog() -> "Catalog":
     from sheath_manip.tasks.table import STUDIES, TASKS
 
     return Catalog(TASKS, STUDIES)
+
+
+def task_env(task: str, **settings: Any) -> "TaskEnv":
+    """Make the gymnasium environment of a task in the tables: what `gymnasium.make` calls.
+
+    Raises SetupError where the machine lacks the simulator, and as `TaskEnv` does.
+    """
+    from sheath_manip.adapters.task_env import TaskEnv
+
+    return TaskEnv(load_catalog().tasks[task], **settings)
 
 
 def _run(command: Callable[[], int]) -> int:

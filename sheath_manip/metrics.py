@@ -1,17 +1,32 @@
 """What an episode amounts to, and what a set of them says: rates and means with intervals."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
-from scipy import stats
 
 from sheath_manip.types import Episode, Outcome
 
 CONFIDENCE = 0.95
 RESAMPLES = 4000
 """of the bootstrap: the ends of its intervals are repeatable, and right to a few per cent"""
+ENDED: Mapping[Outcome, str] = {
+    Outcome.SUCCESS: "succeeded",
+    Outcome.FAILURE: "failed",
+    Outcome.TIME_LIMIT: "stuck",
+    Outcome.ERROR: "cut short",
+}
+"""the word that every table and page has for episodes of an outcome: each is counted apart, since
+what did not fail may be stuck, the time limit having come first"""
+RATES: Mapping[Outcome, str] = {
+    Outcome.SUCCESS: "success_rate",
+    Outcome.FAILURE: "failure_rate",
+    Outcome.TIME_LIMIT: "stuck_rate",
+}
+"""the entry of `Figures` for each"""
 
 
 @dataclass(frozen=True)
@@ -43,10 +58,12 @@ class Figures:
     episodes: int
     failure_rate: float
     success_rate: float
+    stuck_rate: float
+    """share in which the time limit came before success and failure"""
     metric: Mapping[str, float]
     """means"""
     ci95: Mapping[str, tuple[float, float]]
-    """of failure_rate and success_rate (Wilson) and of each metric (bootstrap)"""
+    """of the three rates (Wilson) and of each metric (bootstrap)"""
 
 
 def record_of(episode: Episode) -> EpisodeRecord:
@@ -78,20 +95,41 @@ def runs_of(mask: np.ndarray) -> list[tuple[int, int]]:
 def figures_of(records: Sequence[EpisodeRecord]) -> Figures:
     """Rates and means of `records`; all NaN where there are none."""
     count = len(records)
-    failures = sum(record.outcome is Outcome.FAILURE for record in records)
-    successes = sum(record.outcome is Outcome.SUCCESS for record in records)
+    ended = Counter(record.outcome for record in records)
     names = sorted({name for record in records for name in record.metrics})
     values = {name: np.array([record.metrics[name] for record in records]) for name in names}
     return Figures(
         episodes=count,
-        failure_rate=failures / count if count else float("nan"),
-        success_rate=successes / count if count else float("nan"),
+        **{rate: ended[each] / count if count else float("nan") for each, rate in RATES.items()},
         metric={name: float(column.mean()) for name, column in values.items()},
         ci95={
-            "failure_rate": rate_interval(failures, count),
-            "success_rate": rate_interval(successes, count),
+            **{rate: rate_interval(ended[each], count) for each, rate in RATES.items()},
             **{name: bounded_interval(column) for name, column in values.items()},
         },
+    )
+
+
+def endings(figures: Mapping[str, Any]) -> dict[str, tuple[float | None, Sequence[float]]]:
+    """Return rate and 95 % interval by word, of `Figures` as plain values, such as a summary's.
+
+    Where an older summary does not say how many were stuck, they are the rest. None: no episode.
+    """
+    found = {ENDED[each]: (figures.get(r), figures["ci95"].get(r)) for each, r in RATES.items()}
+    stuck = ENDED[Outcome.TIME_LIMIT]
+    if "stuck_rate" not in figures and figures["success_rate"] is not None:
+        count = figures["episodes"]
+        rest = round(count * (1 - figures["success_rate"] - figures["failure_rate"]))
+        found[stuck] = rest / count, rate_interval(rest, count)
+    return found
+
+
+def endings_line(outcomes: Iterable[Outcome]) -> str:
+    """Return how many episodes ended in which way: `3 succeeded, 1 failed, 0 stuck`."""
+    counts = Counter(outcomes)
+    return ", ".join(
+        f"{counts[each]} {word}"
+        for each, word in ENDED.items()
+        if each is not Outcome.ERROR or counts[each]
     )
 
 
@@ -114,6 +152,9 @@ def rate_interval(hits: int, count: int) -> tuple[float, float]:
     """Wilson's 95 % interval of a rate; (0, 1) where nothing was counted."""
     if count == 0:
         return 0.0, 1.0
+    # Only now: it takes half a second, and who counts episodes wants no interval.
+    from scipy import stats
+
     interval = stats.binomtest(hits, count).proportion_ci(CONFIDENCE, method="wilson")
     return float(interval.low), float(interval.high)
 
@@ -149,5 +190,7 @@ def mean_interval(values: np.ndarray) -> tuple[float, float]:
     spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
     if spread == 0.0:
         return mean, mean
+    from scipy import stats
+
     half = float(stats.t.ppf(0.5 + CONFIDENCE / 2, len(values) - 1)) * spread / len(values) ** 0.5
     return mean - half, mean + half

@@ -82,7 +82,7 @@ def test_the_command_learns_its_task_with_its_members(environment, tmp_path):
     out = sheath(environment, *learn, *plan, *size, *rounds)
     assert "the last policy and its gate" in out
     last = tmp_path / "runs" / "s0" / "every-kth" / "round-01.npz"
-    assert "success_rate" in sheath(
+    assert "succeeded" in sheath(
         environment, "evaluate", "slide", "--checkpoint", last, "--episodes", 2
     )
 

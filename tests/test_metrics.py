@@ -1,5 +1,5 @@
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -7,6 +7,8 @@ import pytest
 from sheath_manip.metrics import (
     EpisodeRecord,
     bounded_interval,
+    endings,
+    endings_line,
     expert_share,
     figures_of,
     limited_share,
@@ -131,3 +133,22 @@ def test_the_experts_share_is_of_steps_and_not_of_episodes():
         record(Outcome.FAILURE, 0.1, steps=10, expert=10),
     ]
     assert expert_share(records) == pytest.approx(0.1)
+
+
+def test_what_neither_succeeded_nor_failed_is_stuck():
+    records = [record(o, 1.0) for o in (Outcome.SUCCESS, Outcome.TIME_LIMIT, Outcome.TIME_LIMIT)]
+    figures = figures_of(records)
+    assert (figures.success_rate, figures.failure_rate) == (1 / 3, 0)
+    assert figures.stuck_rate == 2 / 3
+    assert figures.ci95["stuck_rate"] == rate_interval(2, 3)
+    assert endings_line(each.outcome for each in records) == "1 succeeded, 0 failed, 2 stuck"
+    assert endings_line([Outcome.ERROR]).endswith("0 stuck, 1 cut short")
+
+
+def test_ways_to_end_are_told_of_an_older_summary_and_of_no_episodes():
+    new = asdict(figures_of([record(o, 1.0) for o in [Outcome.TIME_LIMIT] * 3 + [Outcome.FAILURE]]))
+    old = {name: value for name, value in new.items() if name != "stuck_rate"}
+    assert endings(old) == endings(new)
+    assert list(endings(new)) == ["succeeded", "failed", "stuck"]
+    nothing = asdict(figures_of([])) | {"success_rate": None, "failure_rate": None}
+    assert endings(nothing | {"stuck_rate": None})["stuck"][0] is None

@@ -1,6 +1,5 @@
 """`sheath collect`: demonstrations by the task's scripted expert."""
 
-from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
@@ -40,6 +39,7 @@ class Collect:
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.drivers import ExpertAlone
         from sheath_manip.learning.first_episodes import demonstration_info
+        from sheath_manip.metrics import endings_line
         from sheath_manip.rollout.request import EpisodeRequest
 
         with opened(task, self.variant) as probe:
@@ -59,8 +59,7 @@ class Collect:
             requests = [EpisodeRequest(task, info, driver) for info in infos]
             records = list(run_all(executor, requests, store, listeners, report))
         print_figures(records, session)
-        outcomes = Counter(record.outcome for record in records)
-        counts = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+        counts = endings_line(record.outcome for record in records)
         steps = sum(record.steps for record in records)
         line = f"{counts}; {steps} steps in {self.store}, {held} episodes of them from before"
         session.out.print(Text(line))

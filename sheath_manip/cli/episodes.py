@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 
 from rich.table import Table
 from rich.text import Text
@@ -11,6 +12,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.metrics import (
     EpisodeRecord,
+    endings,
     expert_share,
     figures_of,
     limited_share,
@@ -91,9 +93,8 @@ def print_figures(records: Sequence[EpisodeRecord], session: Session) -> None:
     table = Table(box=None, pad_edge=False)
     for heading in (f"{figures.episodes} episodes", "mean", "95 % interval"):
         table.add_column(heading, justify="left" if heading[0].isdigit() else "right")
-    rates = {"failure_rate": figures.failure_rate, "success_rate": figures.success_rate}
-    for name, mean in {**rates, **figures.metric}.items():
-        low, high = figures.ci95[name]
+    metrics = {name: (mean, figures.ci95[name]) for name, mean in figures.metric.items()}
+    for name, (mean, (low, high)) in {**endings(asdict(figures)), **metrics}.items():
         table.add_row(name, f"{mean:.3g}", f"{low:.3g} .. {high:.3g}")
     table.add_row("expert_share", f"{expert_share(records):.3g}", "")
     if limited_share(records) > 0:

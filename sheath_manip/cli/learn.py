@@ -122,17 +122,21 @@ class Learn(Planned):
             final_episodes=self.final_episodes,
         )
         policy = asked_policy(self.policy, offered)
-        plan = LearningPlan(policy, self.gate, self.schedule, comparison)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import executor_of, opened
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.learning.beforehand import require_learnable
+        from sheath_manip.learning.beforehand import require_learnable, with_final_variant
         from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
+        from sheath_manip.learning.suited import suited
+        from sheath_manip.metrics import endings_line, expert_share
 
+        plan = with_final_variant(task, LearningPlan(policy, self.gate, self.schedule, comparison))
         with opened(task, plan.schedule.variant, self.seed) as probe:
+            plan, line = suited(probe.spec, plan)
+            session.remark(line)
             require_learnable(probe.spec, plan, comparison.methods)
         if self.fresh:
             move_aside(self.runs, session)
@@ -158,15 +162,15 @@ class Learn(Planned):
             )
             results = learning.run(self.method)
         table = Table(box=None, pad_edge=False)
-        for heading in ("round", "failed", "expert's share", "labelled states", "alone: failed"):
+        for heading in ("round", "episodes", "expert's share", "labelled states", "policy alone"):
             table.add_column(heading, justify="right")
         for result in results:
             table.add_row(
                 str(result.round),
-                _failed(result.executed),
-                f"{_share(result.executed):.0%}",
+                endings_line(record.outcome for record in result.executed),
+                f"{expert_share(result.executed):.0%}",
                 str(result.states),
-                _failed(result.policy),
+                endings_line(record.outcome for record in result.policy),
             )
         session.out.print(table)
         last = round_path(self.runs, self.seed, results[-1].method, results[-1].round, "npz")
@@ -174,13 +178,3 @@ class Learn(Planned):
         if learning.left_out:
             session.out.print(Text(left_out_line(learning.left_out)))
         return 0
-
-
-def _failed(records) -> str:
-    return f"{sum(record.outcome == 'failure' for record in records)} of {len(records)}"
-
-
-def _share(records) -> float:
-    from sheath_manip.metrics import expert_share
-
-    return expert_share(records)

@@ -1,6 +1,5 @@
 """`sheath teleop`: demonstrations by hand."""
 
-from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
@@ -51,6 +50,7 @@ class Teleop:
         from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.drivers import ExpertAlone
+        from sheath_manip.metrics import endings_line
         from sheath_manip.rollout.request import EpisodeRequest
         from sheath_manip.rollout.serial import SerialExecutor
 
@@ -73,8 +73,7 @@ class Teleop:
                     )
                 )
         print_figures(records, session)
-        outcomes = Counter(record.outcome for record in records)
-        counts = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+        counts = endings_line(record.outcome for record in records)
         session.out.print(Text(f"{counts}; in {self.store}"))
         return 0
 

@@ -1,6 +1,5 @@
 """`sheath train`: a policy and its gate from the episodes of a store."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan, Schedule
+from sheath_manip.metrics import endings_line
 from sheath_manip.policies.config import PolicyConfig
 
 if TYPE_CHECKING:
@@ -79,6 +79,7 @@ class Train(Planned):
         from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.learning.keeping import keep
         from sheath_manip.learning.splitting import learned_and_left, split_off
+        from sheath_manip.learning.suited import suited
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
         from sheath_manip.types.samples import samples_from
@@ -88,12 +89,15 @@ class Train(Planned):
         with opened(task, _variant(summaries, task.name)) as environment:
             spec = environment.spec
         self._require_fits(summaries, spec)
+        plan, line = suited(spec, LearningPlan(config, self.gate))
+        config, wanted = plan.policy, plan.gate
+        session.remark(line)
 
         def fresh_policy() -> "TrainablePolicy":
             return make_policy(config.name, spec, seed=self.seed, **config.settings)
 
         # Before the fit, which takes its time, so that a wrong name is told at once.
-        require_makeable(spec, config, self.gate)
+        require_makeable(spec, config, wanted)
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
@@ -115,12 +119,12 @@ class Train(Planned):
             calibration = [samples_from(store.learnable([name])) for name in held_out]
         with session.err.status(f"fitting {config.name} to {len(states)} states"):
             policy = fresh_policy().fit(states)
-        with session.err.status(f"fitting {self.gate.support.name} on {self.gate.embedding}"):
+        with session.err.status(f"fitting {wanted.support.name} on {wanted.embedding}"):
             fit = fit_gate(
                 policy,
                 states,
                 calibration,
-                self.gate,
+                wanted,
                 sources=Sources(tuple(training), tuple(held_out)),
                 agreement=lambda: held_out_agreement(
                     fresh_policy, states, tolerance=spec.action.tolerance
@@ -150,7 +154,7 @@ class Train(Planned):
             "training states above the threshold": f"{inside:.1%}",
             "threshold": f"{gate.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
-            f"episodes it was set on; {self.gate.threshold.false_alarm_rate:.1%} asked for",
+            f"episodes it was set on; {wanted.threshold.false_alarm_rate:.1%} asked for",
             "digest": digest(self.checkpoint),
         }
         for name, value in rows.items():
@@ -184,5 +188,4 @@ def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:
 def _outcomes(summaries: "Sequence[EpisodeSummary]", names: Sequence[str]) -> str:
     """How the named episodes ended."""
     taken = set(names)
-    counts = Counter(str(each.outcome) for each in summaries if each.name in taken)
-    return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
+    return endings_line(each.outcome for each in summaries if each.name in taken)

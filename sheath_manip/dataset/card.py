@@ -11,6 +11,7 @@ from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.table import readable
 from sheath_manip.exceptions import StoreError
+from sheath_manip.metrics import endings_line
 from sheath_manip.types import TaskSpec
 
 _MEANINGS = {
@@ -62,7 +63,7 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
         f"- variant: {_each(s.info.variant or 'not recorded' for s in summaries)}",
         f"- {len(summaries)} episodes, {steps} steps, {minutes:.1f} min, "
         f"{sum(summary.bytes for summary in summaries) / 1e6:.1f} MB",
-        f"- outcomes: {_counts(str(s.outcome) for s in summaries)}",
+        f"- outcomes: {endings_line(s.outcome for s in summaries)}",
         f"- purposes: {_counts(str(s.info.purpose) for s in summaries)}",
         f"- methods: {_counts(s.info.method or 'none' for s in summaries)}",
         f"- the expert acted in {expert:.1%} of the steps; "

@@ -1,6 +1,5 @@
 """`sheath data list` and `sheath data check`: a store as a table on the terminal."""
 
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -14,6 +13,7 @@ from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import StoreError
+from sheath_manip.metrics import endings_line
 
 
 def print_list(address: str, console: Console) -> int:
@@ -108,11 +108,8 @@ def _totals(summaries: Sequence[EpisodeSummary]) -> str:
     line = f"{len(summaries)} episodes, {steps} steps, {megabytes:.1f} MB"
     if not summaries:
         return line
-    outcomes = Counter(str(summary.outcome) for summary in summaries)
-    shares = ", ".join(
-        f"{n} {outcome} ({n / len(summaries):.0%})" for outcome, n in outcomes.items()
-    )
+    ended = endings_line(summary.outcome for summary in summaries)
     expert = sum(summary.expert_share * summary.length for summary in summaries) / steps
     queries = sum(summary.queries for summary in summaries) / steps
     asked = f"the expert acted in {expert:.0%} of the steps, {queries:.0%} asked for a label"
-    return f"{line}; {shares}; {asked}"
+    return f"{line}; {ended}; {asked}"

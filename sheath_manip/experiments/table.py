@@ -1,14 +1,24 @@
-"""An experiment as one table: one row a method, below each figure its 95 % interval."""
+"""An experiment as two tables: one row a method, below each figure its 95 % interval."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich import box
+from rich.console import Group
 from rich.table import Table
 
+from sheath_manip.experiments.endings import endings_table
 
-def table(summary: Mapping[str, Any]) -> Table:
-    """Return the table of a summary; it fits a terminal of 80 columns."""
+
+def table(summary: Mapping[str, Any]) -> Group:
+    """Return the tables of a summary, which fit a terminal of 80 columns.
+
+    How episodes ended, then what they were worth and what they cost.
+    """
+    return Group(endings_table(summary), _figures(summary))
+
+
+def _figures(summary: Mapping[str, Any]) -> Table:
     metric = summary["metric"]
     grid = Table(
         title=f"{summary['experiment']}: training seeds {seeds_shown(summary['seeds'])}",
@@ -22,33 +32,30 @@ def table(summary: Mapping[str, Any]) -> Table:
     )
     grid.add_column("\n\nmethod")
     words = str(metric).replace("_", "\n")
-    executed = ("run:\nfailed\n%", f"run:\n{words}")
     burden = (
         "expert\nshare\n%",
         "quer-\nies\na seed",
         "false\nalarms\n%",
         "switch-\nes an\nepisode",
     )
-    for header in (*executed, *burden, "alone\nfailed\n%", f"alone\n{words}", f"final\n{words}"):
+    for header in (f"run:\n{words}", *burden, f"alone\n{words}", f"final\n{words}"):
         grid.add_column(header, justify="right", vertical="top")
     expert = summary["expert"]
-    grid.add_row("expert", _rate(expert), _mean(expert, metric), end_section=True)
+    grid.add_row("expert", _mean(expert, metric), end_section=True)
     others = summary.get("references", {})
     for number, (name, figures) in enumerate(others.items(), 1):
-        dashes = ["–"] * 8
+        dashes = ["–"] * 6
         last = number == len(others)
         grid.add_row(name, *dashes, _mean(figures, metric), end_section=last)
     for name, method in summary["methods"].items():
         overall, last = method["overall"], method["rounds"][-1]
         grid.add_row(
             name.replace("-", "-\n"),
-            _rate(overall),
             _mean(overall, metric),
             _percent(overall["expert_share"]),
             _number(overall["queries"], ",.0f"),
             _percent(overall["false_alarm_rate"]),
             _number(overall["switches_per_episode"], ".1f"),
-            _rate(last["policy"]),
             _mean(last["policy"], metric),
             _mean(method["final"], metric),
         )
@@ -74,13 +81,6 @@ def with_interval(mean: float, ci95: Sequence[float]) -> str:
         low, high = (text.removeprefix("0").removesuffix(".00") for text in (low, high))
     shown = f"{mean:.{2 if abs(mean) < 100 else 1}f}"
     return shown if low == high else f"{shown}\n[dim]{low}–{high}[/dim]"
-
-
-def _rate(figures: Mapping[str, Any]) -> str:
-    if figures["failure_rate"] is None:
-        return "–"
-    low, high = figures["ci95"]["failure_rate"]
-    return f"{_percent(figures['failure_rate'])}\n[dim]{100 * low:.0f}–{100 * high:.0f}[/dim]"
 
 
 def _mean(figures: Mapping[str, Any], metric: str | None) -> str:

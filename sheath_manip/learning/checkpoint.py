@@ -17,7 +17,13 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
-from sheath_manip.learning.checkpoint_file import read_arrays, require_digest, write_arrays
+from sheath_manip.gates.progress import Progress
+from sheath_manip.learning.checkpoint_file import (
+    WRITTEN_BY,
+    read_arrays,
+    require_digest,
+    write_arrays,
+)
 from sheath_manip.learning.checkpoint_header import require_header
 from sheath_manip.learning.older_checkpoints import header_of_schema_2
 from sheath_manip.learning.trying import require_works
@@ -146,6 +152,8 @@ def write_parts(
         **facts,
     }
     signal = {} if fitted.signal is None else {"signal": fitted.signal.arrays()}
+    if fitted.progress is not None:
+        signal |= {"progress": fitted.progress.arrays()}
     with written_aside(path) as aside, aside.open("wb") as file:
         write_arrays(file, header, flatten({**learned, **signal}))
     return path
@@ -161,6 +169,8 @@ def fitted_in(header: Mapping[str, Any], policy: PredictingPolicy, arrays: Array
         release_margin=float(header["release_margin"]),
         sources=Sources(*(tuple(map(str, header["sources"][name])) for name in SOURCES)),
     )
+    if config.stuck_steps:
+        fitted = replace(fitted, progress=Progress.load(subtree(arrays, "progress")))
     if not header["has_signal"]:
         return fitted
     signal = make_signal(planned_signal(config))
@@ -194,7 +204,7 @@ def read_parts(path: Path) -> tuple[dict[str, Any], Arrays, str]:
     """
     header, arrays = read_arrays(path)
     if header.get("format") != FORMAT:
-        raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+        raise CheckpointError(f"{path} is no checkpoint; wanted {WRITTEN_BY}")
     remark = ""
     if header.get("schema") == SCHEMA:
         require_digest(path, header, arrays)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.metrics import ENDED
 from sheath_manip.types import Episode, Outcome, Purpose
 
 BY_THE_EXPERT = (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
@@ -60,4 +61,4 @@ def left_out_line(outcomes: Iterable[Outcome]) -> str:
 
 
 def _listed(counts: dict[Outcome, int]) -> str:
-    return ", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items()))
+    return ", ".join(f"{count} {ENDED[outcome]}" for outcome, count in sorted(counts.items()))

@@ -46,7 +46,8 @@ class LoopGate:
         Where it is not the policy, one that plans ahead hears that its plan is void.
 
         Args:
-            observation: what is seen; nobody looks at its `time_s`.
+            observation: what is seen; its `time_s` counts where requests are limited, by
+                `--gate.requests`.
             proposal: of the policy for this very observation. An action (a,) does where the
                 gate's embeddings read no latent; None where there is none to be executed.
         """

@@ -1,4 +1,4 @@
-"""A network's weights as plain arrays, and back."""
+"""What passes between arrays and a network: images, and its weights."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -14,6 +14,11 @@ from sheath_manip.policies.network import shapes_of
 from sheath_manip.protocols import Arrays
 
 Network = TypeVar("Network", bound=nn.Module)
+
+
+def tensor_of(images: NDArray[np.uint8]) -> torch.Tensor:
+    """The images as they are, or a copy where the array is read-only, which torch would warn of."""
+    return torch.from_numpy(images if images.flags.writeable else images.copy())
 
 
 def weights_of(network: nn.Module) -> dict[str, NDArray]:

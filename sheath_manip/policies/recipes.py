@@ -64,9 +64,9 @@ def pooled_convolutions_whitened() -> PooledConvolutions:
     return PooledConvolutions(Whitening())
 
 
-def pixels_whitened() -> Pixels:
+def pixels_whitened(cameras: tuple[str, ...] = ()) -> Pixels:
     """The image itself, small and whitened."""
-    return Pixels(Whitening())
+    return Pixels(Whitening(), cameras=cameras)
 
 
 def latent_whitened() -> LatentEmbedding:
@@ -91,34 +91,34 @@ def mlp_hidden() -> SideBySide:
     )
 
 
-def image_points() -> SideBySide:
+def image_points(cameras: tuple[str, ...] = ()) -> SideBySide:
     """Embed where the policy looks in its cameras, and the features."""
-    return _and_features(ImagePoints())
+    return _and_features(ImagePoints(cameras=cameras))
 
 
-def image_points_whitened() -> SideBySide:
+def image_points_whitened(cameras: tuple[str, ...] = ()) -> SideBySide:
     """Embed where the policy looks in its cameras, whitened, and the features."""
-    return _and_features(ImagePoints(Whitening()))
+    return _and_features(ImagePoints(Whitening(), cameras))
 
 
-def camera_convolutions() -> SideBySide:
+def camera_convolutions(cameras: tuple[str, ...] = ()) -> SideBySide:
     """The convolutions of every camera, and the features."""
-    return _and_features(CameraConvolutions())
+    return _and_features(CameraConvolutions(cameras=cameras))
 
 
-def camera_convolutions_whitened() -> SideBySide:
+def camera_convolutions_whitened(cameras: tuple[str, ...] = ()) -> SideBySide:
     """The convolutions of every camera, whitened, and the features."""
-    return _and_features(CameraConvolutions(Whitening()))
+    return _and_features(CameraConvolutions(Whitening(), cameras=cameras))
 
 
 def wrist_convolutions() -> SideBySide:
     """The convolutions of the camera at the wrist, whitened, and the features."""
-    return _and_features(CameraConvolutions(Whitening(), cameras=("wrist",)))
+    return camera_convolutions_whitened(("wrist",))
 
 
-def pixels_and_features() -> SideBySide:
+def pixels_and_features(cameras: tuple[str, ...] = ()) -> SideBySide:
     """The images themselves, small and whitened, and the features."""
-    return _and_features(Pixels(Whitening(), side=12))
+    return _and_features(Pixels(Whitening(), side=12, cameras=cameras))
 
 
 def tool_points() -> FromTool:

@@ -15,6 +15,15 @@ def require_camera(spec: TaskSpec) -> None:
         )
 
 
+def require_continuous(spec: TaskSpec) -> None:
+    """Raise ParameterError where the task's actions are choices."""
+    if spec.action.choices is not None:
+        raise ParameterError(
+            f"task {spec.name!r} has a list of admissible actions; wanted continuous ones to "
+            f"regress. For choices there are cnn and hog-svm, {OWN_POLICY}"
+        )
+
+
 def require_features(spec: TaskSpec) -> None:
     """Raise ParameterError where the task has no features."""
     if not spec.feature_names:

@@ -70,6 +70,11 @@ class Reason(StrEnum):
     """the environment broke down: the robot holds, and the run ends"""
     TOO_LATE = "too late"
     """the policy's proposal, or the gate's leave, came after the deadline: the expert acts"""
+    STUCK = "no progress"
+    """the states are familiar, but nothing has moved for a while: the expert shows the way on"""
+    SPARED = "request spared"
+    """the policy might act again, but the next alarm would be one request too many: the expert
+    drives on"""
 
 
 @dataclass(frozen=True, eq=False)

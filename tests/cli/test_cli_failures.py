@@ -29,7 +29,7 @@ def test_what_is_learned_from(purpose: Purpose, failures: bool) -> None:
 def test_what_is_left_out_is_counted() -> None:
     outcomes = [Outcome.TIME_LIMIT, Outcome.FAILURE, Outcome.FAILURE]
     assert left_out_line(outcomes) == (
-        "3 episodes left out, which are no demonstrations: 2 failure, 1 time-limit "
+        "3 episodes left out, which are no demonstrations: 2 failed, 1 stuck "
         "(--failures takes them)"
     )
 
@@ -47,16 +47,16 @@ def test_train_leaves_failures_out(sheath, complaint, made, tmp_path) -> None:
     train = (*train, "--calibration", 4)
     code, out, _ = sheath(*train)
     assert code == 0
-    assert "36 states of 3 episodes, 3 success" in out
-    assert "1 episodes left out, which are no demonstrations: 1 failure (--failures takes" in out
+    assert "36 states of 3 episodes, 3 succeeded, 0 failed, 0 stuck" in out
+    assert "1 episodes left out, which are no demonstrations: 1 failed (--failures takes" in out
     code, out, _ = sheath(*train, "--failures")
     assert code == 0
-    assert "48 states of 4 episodes, 3 success, 1 failure" in out
+    assert "48 states of 4 episodes, 3 succeeded, 1 failed, 0 stuck" in out
     assert "left out" not in out
     marked(store, *names[1:4], outcome=Outcome.TIME_LIMIT)
     line = complaint(*train)
     assert "holds 4 expert episodes to learn from (4 episodes left out" in line
-    assert "3 time-limit (--failures takes them)" in line
+    assert "3 stuck (--failures takes them)" in line
     export = ("data", "export", store, tmp_path / "x.hdf5", "--format", "robomimic")
     assert "4 of them did not succeed; --successes leaves" in sheath(*export)[1]
 
@@ -79,6 +79,6 @@ def test_learn_leaves_failures_out(sheath, tmp_path) -> None:
     afresh(tmp_path)
     code, out, _ = sheath(*learn)
     assert code == 0
-    assert "2 episodes left out, which are no demonstrations: 2 failure (--failures" in out
+    assert "2 episodes left out, which are no demonstrations: 2 failed (--failures" in out
     code, _, err = sheath(*learn, "--failures")
     assert (code, "another failures" in err) == (2, True)

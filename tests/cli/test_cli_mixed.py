@@ -137,7 +137,7 @@ def test_train_names_variants_and_failures(sheath, made, tmp_path) -> None:
     train = ("train", "corridor", "--store", store.path, "--checkpoint", tmp_path / "c.npz")
     code, out, _ = sheath(*train, *small)
     assert code == 0
-    assert "episodes, 6 success" in out
+    assert "episodes, 6 succeeded" in out
     assert "episodes of several variants: 8 of 'default', 1 of 'final'" in out
 
 

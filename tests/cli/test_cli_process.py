@@ -60,7 +60,7 @@ def test_task_script_collects(tmp_path):
     store = tmp_path / "store"
     done = _call(SCRIPT, "collect", "--episodes", 1, "--store", store)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "1 success" in done.stdout
+    assert "1 succeeded" in done.stdout
     assert _call(SHEATH, "data", "check", store).returncode == 0
 
 

@@ -36,7 +36,7 @@ def test_collect_records_and_resumes(sheath, tmp_path):
     first = {name: (store / name).stat().st_ino for name in EpisodeStore(store).names()}
     code, out, _ = sheath("collect", "corridor", "--store", store, "--episodes", 3)
     assert code == 0
-    assert "3 success; 36 steps" in out
+    assert "3 succeeded, 0 failed, 0 stuck; 36 steps" in out
     assert "2 episodes of them from before" in out
     summaries = EpisodeStore(store).infos()
     assert len(summaries) == 3
@@ -81,7 +81,7 @@ def test_run_records_where_a_store_is_given(sheath, made, tmp_path):
     argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 2)
     code, out, _ = sheath(*argv, "--store", tmp_path / "store")
     assert code == 0
-    for word in ("scene seed", "progress", "interventions", "failure_rate"):
+    for word in ("scene seed", "progress", "interventions", "succeeded", "failed", "stuck"):
         assert word in out
     episodes = list(EpisodeStore(tmp_path / "store").episodes())
     assert [episode.info.purpose for episode in episodes] == [Purpose.LEARNING] * 2
@@ -113,8 +113,9 @@ def test_evaluate_prints_nothing_but_json(sheath, made):
     assert (code, err) == (0, "")
     figures = json.loads(out)
     assert figures["episodes"] == 3
-    assert 0 <= figures["failure_rate"] <= 1
-    assert figures["ci95"].keys() == {"failure_rate", "success_rate", "progress"}
+    rates = {"failure_rate", "success_rate", "stuck_rate"}
+    assert sum(figures[rate] for rate in rates) == pytest.approx(1)
+    assert figures["ci95"].keys() == {*rates, "progress"}
     code, out, _ = sheath(*argv)
     assert code == 0
     assert "95 % interval" in out

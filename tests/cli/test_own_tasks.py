@@ -40,7 +40,7 @@ def test_workers_run_it_and_a_replay_is_told_its_file(sheath, complaint, place):
     argv = ("collect", task, "--store", store, "--episodes", 2, "--workers", 1)
     code, out, _ = sheath(*argv)
     assert code == 0
-    assert "2 success" in out
+    assert "2 succeeded, 0 failed, 0 stuck" in out
     # A recording says the name alone: what lies in somebody's store is never run as code.
     assert {each.info.task for each in EpisodeStore(store).infos()} == {"cart"}
     replay = ("replay", store, "--export", place / "film.mp4")

@@ -23,10 +23,11 @@ QUICK = {
     "paper-cnn": EPOCHS,
     "spatial-cnn": reach.SETTINGS | STEPS,
     "mlp": servo.SETTINGS | STEPS,
+    "act": reach.ACT_SETTINGS | STEPS,
     "egocentric-cnn": {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
 }
 OF_FEATURES = ("linear-svm", "linear-svm-paper", "smile")
-CONTINUOUS = ("spatial-cnn", "egocentric-cnn", "mlp")
+CONTINUOUS = ("spatial-cnn", "act", "egocentric-cnn", "mlp")
 every_policy = pytest.mark.parametrize("name", sorted(POLICIES))
 every_classifier = pytest.mark.parametrize("name", sorted(set(POLICIES) - set(CONTINUOUS)))
 every_regressor = pytest.mark.parametrize("name", CONTINUOUS)
@@ -102,7 +103,7 @@ SERVOED = Toy(
     {"feature_names": servo.SPEC.feature_names[:1]},
     "1 features",
 )
-REGRESSED = {"spatial-cnn": REACHED, "egocentric-cnn": FOLLOWED, "mlp": SERVOED}
+REGRESSED = {"spatial-cnn": REACHED, "act": REACHED, "egocentric-cnn": FOLLOWED, "mlp": SERVOED}
 
 
 def toy(name: str) -> Toy:
@@ -122,7 +123,7 @@ def fitted_policy(name: str) -> TrainablePolicy:
     if name == "mlp":
         return servo.fitted_policy()
     if name in CONTINUOUS:
-        return (reach if name == "spatial-cnn" else line).fitted_policy(name)
+        return (line if name == "egocentric-cnn" else reach).fitted_policy(name)
     if name not in OF_FEATURES:
         return blobs.fitted_policy(name)
     return make_policy(name, buttons.SPEC).fit(buttons.training())
@@ -138,6 +139,7 @@ def shape(name: str) -> dict[str, Any]:
         "spatial-cnn": reach.SETTINGS,
         "egocentric-cnn": line.SETTINGS,
         "mlp": servo.SETTINGS,
+        "act": reach.ACT_SETTINGS,
     }.get(name, {})
 
 

@@ -47,6 +47,7 @@ SETTINGS = {
     "paper-cnn": EPOCHS,
     "spatial-cnn": reach.SETTINGS | STEPS,
     "mlp": STEPS,
+    "act": reach.ACT_SETTINGS | STEPS,
     "egocentric-cnn": line.SETTINGS
     | {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
 }
@@ -59,6 +60,7 @@ def spec_for(name: str):
         return buttons.SPEC
     of_continuous = {
         "spatial-cnn": reach.SPEC,
+        "act": reach.SPEC,
         "egocentric-cnn": line.SPEC,
         "mlp": servo.SPEC,
     }

@@ -23,7 +23,8 @@ ROUND_KEYS = {
     "false_alarm_rate", "missed_rate", "surrogate_loss", "horizon", "epsilon", "xi", "bound",
     "measured", "threshold", "states",
 }  # fmt: skip
-FIGURE_KEYS = {"episodes", "failure_rate", "success_rate", "metric", "ci95"}
+RATES = {"failure_rate", "success_rate", "stuck_rate"}
+FIGURE_KEYS = {"episodes", *RATES, "metric", "ci95"}
 
 
 @pytest.fixture
@@ -51,7 +52,7 @@ def test_the_summary_has_the_one_shape_of_all_experiments(summary):
         for entry in method["rounds"]:
             assert set(entry) == ROUND_KEYS
             assert set(entry["executed"]) == set(entry["policy"]) == FIGURE_KEYS
-            assert set(entry["executed"]["ci95"]) == {"failure_rate", "success_rate", "laps"}
+            assert set(entry["executed"]["ci95"]) == {*RATES, "laps"}
 
 
 def test_seeds_are_pooled_and_the_start_is_shared(summary, results):

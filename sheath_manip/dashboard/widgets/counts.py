@@ -7,6 +7,7 @@ from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
+from sheath_manip.metrics import ENDED
 from sheath_manip.playback import palette
 from sheath_manip.types import EpisodeInfo, Limited, Outcome
 
@@ -76,8 +77,8 @@ def _counts(
     headings = f"<td></td><td>this episode</td><td>all {every}</td>" if series else ""
     ended = " &nbsp; ".join(
         f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">'
-        f"<b>{outcomes.get(outcome, 0)}</b> {escape(outcome.value)}</span>"
-        for outcome in Outcome
+        f"<b>{outcomes.get(outcome, 0)}</b> {word}</span>"
+        for outcome, word in ENDED.items()
         if outcome is not Outcome.ERROR or outcomes.get(outcome)
     )
     return (

@@ -39,7 +39,7 @@ def frames(
     length, height, width = shape
     limits.require_memory(what, length * height * width * 3)
     images, found = np.empty((*shape, 3), np.uint8), np.zeros(length, bool)
-    with closing(av.open(file, format=FORMAT, metadata_errors="replace")) as container:
+    with closing(av.open(file, "r", format=FORMAT, metadata_errors="replace")) as container:
         if not container.streams.video:
             raise StoreError(f"{what} is no film")
         stream = container.streams.video[0]

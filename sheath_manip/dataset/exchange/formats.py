@@ -84,6 +84,8 @@ class Format:
     """None where nothing is written for it"""
     open: Callable[[Path], ForeignFile] | None = None
     """from the path, StoreError where it is no such file; None where nothing is read of it"""
+    locate: Callable[[Path], Path] = Path
+    """from a path, or the name of what the format's own tool keeps, to where that lies"""
 
 
 _HERE = "sheath_manip.dataset.exchange"
@@ -111,6 +113,11 @@ def writer_of(name: str) -> Writer:
     if write is None:
         raise ParameterError(f"nothing is written as {name}; wanted a format such as robomimic")
     return write
+
+
+def located(name: str, path: Path) -> Path:
+    """Return where a file of the format lies; raises as `open_file`."""
+    return FORMATS[name].locate(path)
 
 
 def open_file(name: str, path: Path) -> ForeignFile:

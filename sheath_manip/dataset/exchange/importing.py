@@ -137,7 +137,8 @@ def _is_sealed(file: ForeignFile) -> bool:
 
 def _recorded(file: ForeignFile, origin: Origin, remarks: list[str]) -> Iterator[Recorded]:
     """Yield the episodes; of another tool's the `remarks` are told when the first is there."""
-    file = _masked(file, origin.mask, remarks)
+    if origin.mask:
+        file = _masked(file, origin.mask)
     ours = file.recorded()
     if ours is not None:
         yield from ours
@@ -146,20 +147,20 @@ def _recorded(file: ForeignFile, origin: Origin, remarks: list[str]) -> Iterator
     for number, track in enumerate(file.tracks()):
         keys = origin.keys.over(file.default_keys, track)
         words = track.words if track.words != info.task else ""
-        each = replace(numbered(info, number), variant=info.variant or words)
+        place = number if track.place is None else track.place
+        each = replace(numbered(info, place), variant=info.variant or words)
         outcome = origin.outcome or track.ending.outcome or Outcome.SUCCESS
         yield interpret(track, each, outcome, keys)
         if number == 0:
-            remarks.extend(keys.remarks(track))
+            outcome_by = "" if origin.outcome else track.ending.told_by
+            remarks.extend(keys.remarks(track, outcome_by))
+            if isinstance(file, HasMasks) and file.masks and not origin.mask:
+                listed = ", ".join(file.masks)
+                remarks.append(f"all episodes are taken; --mask takes those of a list: {listed}")
 
 
-def _masked(file: ForeignFile, mask: str, remarks: list[str]) -> ForeignFile:
+def _masked(file: ForeignFile, mask: str) -> ForeignFile:
     masks = file.masks if isinstance(file, HasMasks) else ()
-    if not mask:
-        if masks:
-            listed = ", ".join(masks)
-            remarks.append(f"all episodes are taken; --mask takes those of a list: {listed}")
-        return file
     if not isinstance(file, HasMasks) or mask not in masks:
         listed = f"wanted one of {', '.join(masks)}" if masks else "it has none"
         raise ParameterError(f"the file has no list {mask!r} of episodes; {listed}")
@@ -181,8 +182,8 @@ def _completed(file: ForeignFile, info: EpisodeInfo) -> EpisodeInfo:
         words = [word for word, missing in untold.items() if missing]
         options = [f"--{word.replace(' ', '-')}{'-hz' * (word != 'task')}" for word in words]
         raise ParameterError(
-            f"another tool wrote this file, which does not tell its {' and its '.join(words)}; "
-            f"give {' and '.join(options)}, and --keys for what it calls otherwise"
+            f"another tool wrote this file, which does not tell its {' and its '.join(words)}, or "
+            f"several; give {' and '.join(options)}, and --keys for what it calls otherwise"
         )
     if not is_rate(rate_hz):
         raise StoreError(

@@ -16,6 +16,9 @@ from sheath_manip.types import Actor, EpisodeInfo, Outcome, Purpose, Reason
 
 _OURS = re.compile(r"images/[A-Za-z0-9][A-Za-z0-9_.-]*|features|action|reward|state|intervention")
 
+UNTOLD = "untold"
+"""the checkpoint of episodes that a policy drove of which the file does not say more"""
+
 
 @dataclass(frozen=True)
 class KeyMap:
@@ -49,10 +52,12 @@ class KeyMap:
         there = {k: v for k, v in defaults.items() if all(name in track.keys for name in v)}
         return KeyMap({**there, **self.keys})
 
-    def remarks(self, track: Track) -> Iterator[str]:
-        """Yield a line that says what is taken of an episode, and one that says what is not."""
-        told_by = track.ending.told_by
-        meant = {**self.keys, **({"outcome": (told_by,)} if told_by else {})}
+    def remarks(self, track: Track, outcome_by: str) -> Iterator[str]:
+        """Yield a line that says what is taken of an episode, and one that says what is not.
+
+        `outcome_by` is the key that tells the outcome; empty where none does.
+        """
+        meant = {**self.keys, **({"outcome": (outcome_by,)} if outcome_by else {})}
         pairs = (f"{ours}={','.join(theirs)}" for ours, theirs in meant.items())
         yield f"taken: {' '.join(pairs)}"
         taken = {name for theirs in meant.values() for name in theirs}
@@ -62,7 +67,7 @@ class KeyMap:
             for key in track.keys
             if key not in taken and not any(key.startswith(f"{whole}/") for whole in track.keys)
         ]
-        if left:
+        if left := [*left, *track.beside]:
             yield f"not taken: {' '.join(left)}"
 
 
@@ -88,7 +93,7 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
     by_expert = columns.pop("intervention")[:, 0] > 0.5
     by_policy = ~by_expert
     if by_policy.any():
-        info = replace(info, purpose=Purpose.LEARNING)
+        info = replace(info, purpose=Purpose.LEARNING, checkpoint=UNTOLD)
     cameras = [ours for ours in columns if ours.startswith("images/")]
     header = Header(
         info=info,

@@ -89,6 +89,8 @@ def read_index(tree: FolderTree, limits: Limits) -> Index:
     films = [name for name, feature in features.items() if feature.dtype == "video"]
     read = _joined if version.startswith("v3") else _apart
     entries = tuple(read(tree, info, films, limits))
+    if (told := info.get("total_episodes", len(entries))) != len(entries):
+        raise StoreError(f"it tells of {told!r:.20} episodes, its index of {len(entries)}")
     for entry in entries:
         files = (entry.table, *(clip.file for clip in entry.clips.values()))
         if lost := [file for file in files if file not in tree.sizes]:

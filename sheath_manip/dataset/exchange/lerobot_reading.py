@@ -173,7 +173,8 @@ class LeRobotDirectory:
         clip = entry.clips[key]
         rate_hz = self._index.rate_hz
         with self._reading(f"frames of {clip.file}"), self._tree.open(clip.file) as file:
-            first, shape = round(clip.from_s * rate_hz), (entry.length, *feature.shape)
+            height, width = feature.shape
+            first, shape = round(clip.from_s * rate_hz), (entry.length, height, width)
             return frames(clip.file, file, first, shape, rate_hz, self._limits)
 
     def _rows(self, entry: Entry, key: str, feature: Feature) -> NDArray:

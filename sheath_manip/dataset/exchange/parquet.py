@@ -17,10 +17,11 @@ from sheath_manip.exceptions import StoreError
 
 with needs("lerobot-data", "pyarrow"):
     import pyarrow as pa
-    import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
 MOST_ITEM_BYTES = 8
+_NUMBERS = (pa.types.is_boolean, pa.types.is_integer, pa.types.is_floating)
+_LISTS = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
 
 
 class Parquet:
@@ -30,12 +31,14 @@ class Parquet:
         """Read what the file says of itself, and no row."""
         self.file = file
         self._limits = limits
-        self._opened = pq.ParquetFile(tree.open(file))
-        groups = (self._opened.metadata.row_group(n) for n in range(self._opened.num_row_groups))
-        self._groups = tuple(groups)
+        self._tree = tree
+        with tree.open(file) as opened:
+            parquet = pq.ParquetFile(opened)
+            self._metadata = parquet.metadata
+            self.columns = tuple(parquet.schema_arrow.names)
+        self._groups = tuple(map(self._metadata.row_group, range(self._metadata.num_row_groups)))
         self._starts = np.cumsum([0, *(group.num_rows for group in self._groups)])
         self.length = int(self._starts[-1])
-        self.columns = tuple(self._opened.schema_arrow.names)
 
     def numbers(self, column: str, start: int, stop: int, shape: tuple[int, ...]) -> NDArray:
         """(stop - start, *shape) numbers; raises StoreError for anything else."""
@@ -44,15 +47,13 @@ class Parquet:
         array = self._array(column, start, stop)
         while not _is_flat(array.type):
             _require_whole(array, what)
-            if len(pc.unique(pc.list_value_length(array))) > 1:
+            fixed = pa.types.is_fixed_size_list(array.type)
+            if not fixed and len(array.value_lengths().unique()) > 1:
                 raise StoreError(f"{what} has rows of several lengths")
             array = array.flatten()
         _require_whole(array, what)
-        kind = array.type
-        if not (
-            pa.types.is_boolean(kind) or pa.types.is_integer(kind) or pa.types.is_floating(kind)
-        ):
-            raise StoreError(f"{what} holds {kind}; wanted booleans or numbers")
+        if not any(is_kind(array.type) for is_kind in _NUMBERS):
+            raise StoreError(f"{what} holds {array.type}; wanted booleans or numbers")
         if len(array) != (stop - start) * math.prod(shape):
             raise StoreError(f"{what} has {len(array)} numbers; wanted {stop - start} of {shape}")
         return array.to_numpy(zero_copy_only=False).reshape(stop - start, *shape)
@@ -71,7 +72,9 @@ class Parquet:
         groups = list(range(max(first, 0), last))
         told = (self._column_bytes(group, column) for group in groups)
         self._limits.require_memory(f"{column} of {self.file}", sum(told))
-        table = self._opened.read_row_groups(groups, columns=[column], use_threads=False)
+        with self._tree.open(self.file) as opened:
+            parquet = pq.ParquetFile(opened, metadata=self._metadata)
+            table = parquet.read_row_groups(groups, columns=[column], use_threads=False)
         begin = start - int(self._starts[groups[0]]) if groups else 0
         whole = table.column(column).slice(begin, stop - start).combine_chunks()
         return whole.storage if isinstance(whole, pa.ExtensionArray) else whole
@@ -87,8 +90,7 @@ class Parquet:
 
 
 def _is_flat(kind: Any) -> bool:
-    lists = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
-    return not any(is_list(kind) for is_list in lists)
+    return not any(is_list(kind) for is_list in _LISTS)
 
 
 def _require_whole(array: Any, what: str) -> None:

@@ -39,3 +39,8 @@ def _opened(what: str, content: bytes) -> Image.Image:
     except (OSError, Image.DecompressionBombError) as error:
         wanted = " or ".join(FORMATS)
         raise StoreError(f"an image of {what} is no {wanted}, or its head is broken") from error
+
+
+def is_jpeg(content: bytes) -> bool:
+    """Whether bytes begin as a JPEG does."""
+    return content.startswith(b"\xff\xd8\xff")

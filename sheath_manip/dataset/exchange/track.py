@@ -7,7 +7,7 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import SheathError, StoreError
+from sheath_manip.exceptions import SetupError, SheathError, StoreError
 from sheath_manip.types import Outcome
 
 DefaultKeys = Mapping[str, tuple[str, ...]]
@@ -50,6 +50,10 @@ class Track:
     ending: Ending = Ending()
     words: str = ""
     """what was to be done, in words; empty where the file does not say"""
+    place: int | None = None
+    """in the file, where only some of its episodes are taken; None: as they come"""
+    beside: tuple[str, ...] = ()
+    """what the file holds of it that no key can name"""
 
 
 @contextmanager
@@ -57,6 +61,9 @@ def one_line(path: Path, wanted: str) -> Iterator[None]:
     """Whatever zarr, h5py and their codecs raise (they share no class) as one line."""
     try:
         yield
+    except SetupError:
+        # The file is as sound as it was.
+        raise
     except SheathError as error:
         if str(path) in str(error):
             raise

@@ -41,6 +41,8 @@ class AtShare:
     expert_share: float
     failure_rate: float
     ci95: tuple[float, float]
+    """of failure_rate"""
+    success_rate: float
     queries_per_episode: float
     switches_per_episode: float
 
@@ -203,6 +205,7 @@ def _at_share(share: float, points: Sequence[Point]) -> AtShare:
         share,
         at([point.executed.failure_rate for point in ordered]),
         (at([low for low, _ in bounds]), at([high for _, high in bounds])),
+        at([point.executed.success_rate for point in ordered]),
         at([point.queries_per_episode for point in ordered]),
         at([point.switches_per_episode for point in ordered]),
     )

@@ -8,6 +8,9 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from sheath_manip.experiments.endings import HEADINGS
+from sheath_manip.metrics import endings
+
 Rows = Mapping[str, Mapping[str, Any]]
 
 
@@ -61,11 +64,13 @@ def _saved(task: str, rows: Rows, plan: Mapping[str, Any]) -> Table:
         "own:\nfore-\nseen %",
         "dis-\nturbed\n%",
         "lead\nsteps",
-        "failed\n%",
-        "95 %",
+        HEADINGS["succeeded"],
+        "failed\n%\n95 %",
+        "stuck\n%",
         "switches",
         "queries",
-        "alone:\nsuccess\n%",
+        f"alone:\n{HEADINGS['succeeded']}",
+        "\nfailed\nstuck %",
     ):
         grid.add_column(header, justify="right")
     for name, row in rows.items():
@@ -84,17 +89,21 @@ def _foreseen(alarm: Mapping[str, Any] | None) -> tuple[str, ...]:
 def _in_loop(loop: Mapping[str, Any] | None) -> tuple[str, ...]:
     """At the common share; of the policy or the expert alone at its own."""
     if loop is None:
-        return ("–",) * 5
+        return ("–",) * 7
     at, only = loop["at_share"], loop["points"][0]
-    failed = only["executed"]["failure_rate"] if at is None else at["failure_rate"]
+    ended = only["executed"] if at is None else at
     low, high = only["executed"]["ci95"]["failure_rate"] if at is None else at["ci95"]
     asked = only if at is None else at
+    alone = {word: _percent(rate) for word, (rate, _) in endings(loop["final"]).items()}
     return (
-        _percent(failed),
-        f"{100 * low:.0f}–{100 * high:.0f}",
+        _percent(ended["success_rate"]),
+        f"{_percent(ended['failure_rate'])}\n{100 * low:.0f}–{100 * high:.0f}",
+        # What is left by rounding is less than none.
+        _percent(max(0.0, 1 - ended["success_rate"] - ended["failure_rate"])),
         _number(asked["switches_per_episode"]),
         _number(asked["queries_per_episode"]),
-        _percent(loop["final"]["success_rate"]),
+        alone["succeeded"],
+        f"{alone['failed']}\n{alone['stuck']}",
     )
 
 

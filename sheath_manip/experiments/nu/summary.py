@@ -11,6 +11,7 @@ from rich.console import Group
 from rich.table import Table
 
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.endings import HEADINGS, ending_cells
 from sheath_manip.experiments.nu.plan import METHOD, NuPlan
 from sheath_manip.experiments.summary import program
 from sheath_manip.experiments.summary import summarise as summarise_learning
@@ -100,15 +101,15 @@ def _table(task: str, found: Mapping[str, Any]) -> Table:
         padding=0,
     )
     outside = ("outside\nfirst\n%", "\nlast\n%", "\nall\n%")
-    executed = ("run:\nfailed\n%", f"run:\n{words}")
-    for header in ("\nν", *outside, *executed, f"area\n{words}", f"alone\n{words}"):
+    run = (f"run:\n{HEADINGS['succeeded']}", *(f"\n{HEADINGS[w]}" for w in ("failed", "stuck")))
+    for header in ("\nν", *outside, *run, f"run:\n{words}", f"area\n{words}", f"alone\n{words}"):
         grid.add_column(header, justify="right", vertical="top")
     for row in found["nus"]:
         first, last = row["rounds"][1], row["rounds"][-1]
         grid.add_row(
             f"{row['nu']:g}",
             *(f"{100 * share:.1f}" for share in (first["xi"], last["xi"], row["outside"])),
-            f"{100 * row['overall']['failure_rate']:.1f}",
+            *ending_cells(row["overall"]),
             _number(row["overall"], found["metric"]),
             with_interval(row["area"]["policy"]["mean"], row["area"]["policy"]["ci95"]),
             _number(last["policy"], found["metric"]),
