@@ -77,6 +77,8 @@ LATENT_EMBEDDINGS = {
     "latent-whitened": f"{_RECIPES}:latent_whitened",
 }
 """of policies from elsewhere, which give a layer of theirs along"""
+ENCODER_EMBEDDINGS = {"frozen-encoder": f"{_HERE}.frozen_encoder:FrozenEncoder"}
+"""of cameras, in the eyes of a network that somebody else has trained; an extra brings it"""
 _TABLES = (
     IMAGE_EMBEDDINGS,
     SPATIAL_EMBEDDINGS,
@@ -84,6 +86,7 @@ _TABLES = (
     FEATURE_EMBEDDINGS,
     MEASURED_EMBEDDINGS,
     LATENT_EMBEDDINGS,
+    ENCODER_EMBEDDINGS,
 )
 EMBEDDINGS: Registry[Callable[..., Embedding]] = Registry(
     "embedding",

@@ -10,6 +10,7 @@ from sklearn.metrics import roc_auc_score
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import (
     EMBEDDINGS,
+    ENCODER_EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     IMAGE_EMBEDDINGS,
     LATENT_EMBEDDINGS,
@@ -54,7 +55,7 @@ def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples, Samples]:
         return reach.fitted_policy(), reach.training(), reach.held_out()
     if name in TOOL_EMBEDDINGS:
         return line.fitted_policy(), line.training(), line.held_out()
-    if name in LATENT_EMBEDDINGS:
+    if name in LATENT_EMBEDDINGS | ENCODER_EMBEDDINGS:
         return hidden_layer(), training(), held_out()
     return fitted_policy("cnn"), training(), held_out()
 
@@ -238,6 +239,7 @@ def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
         FEATURE_EMBEDDINGS,
         MEASURED_EMBEDDINGS,
         LATENT_EMBEDDINGS,
+        ENCODER_EMBEDDINGS,
     )
     assert list(EMBEDDINGS) == [name for table in tables for name in table]
 

@@ -11,6 +11,7 @@ from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.making import GATES, make_gate
 from sheath_manip.policies import (
     EMBEDDINGS,
+    ENCODER_EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     LATENT_EMBEDDINGS,
     MEASURED_EMBEDDINGS,
@@ -77,7 +78,7 @@ def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples]:
         return reach.fitted_policy(), reach.training().take(np.arange(100))
     if name in TOOL_EMBEDDINGS:
         return line.fitted_policy(), line.training().take(np.arange(100))
-    if name in LATENT_EMBEDDINGS:
+    if name in LATENT_EMBEDDINGS | ENCODER_EMBEDDINGS:
         return blobs.hidden_layer(), blobs.training().take(np.arange(100))
     return blobs.fitted_policy("cnn"), blobs.training().take(np.arange(100))
 
