@@ -18,6 +18,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 NOTE = "<!-- Made by `python -m tools.make_docs` from {source}; change that. -->\n"
 NUMBERS = (
     numbers.auroc,
+    numbers.ended,
     numbers.failing_rounds,
     numbers.hits,
     numbers.mean,
