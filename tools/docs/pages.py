@@ -69,7 +69,7 @@ def _environment() -> jinja2.Environment:
 
 
 def _results(results: Path) -> dict[str, Any]:
-    """Every result by its name as a template writes it: `grasp_clutter`, `outside_fetch`, `bench_data`."""
+    """Every result by its name in a template: `grasp_clutter`, `outside_fetch`, `bench_data`."""
     files = {
         "-".join(path.parent.relative_to(results).parts): path
         for path in results.glob("**/summary.json")
