@@ -5,12 +5,28 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
 from tools.outside.fetch import FETCH
 
-FULL = LearningPlan(policy=PolicyConfig("mlp")).changed(
+# The gate's two numbers were chosen on the training seeds 100 to 104.
+FULL = LearningPlan(
+    PolicyConfig("mlp", {"feature_noise": 0.15, "steps": 1500, "warm_steps": 1000})
+).changed(
     gate={
+        "signal": "near-joined",
         "embedding": "scaled-features",
         "precedent_embedding": "scaled-features",
+        "threshold": {"false_alarm_rate": 0.07},
+        "minimum_hold_steps": 10,
     },
-    schedule={"demonstrations": 10, "rounds": 4, "episodes": 10},
-    comparison={"methods": ("dagger", "sheath", "random-takeover"), "evaluation_episodes": 20},
+    schedule={
+        "demonstrations": 10,
+        "calibration": 20,
+        "false_alarm_episodes": 5,
+        "rounds": 4,
+        "episodes": 20,
+    },
+    comparison={
+        "methods": ("dagger", "sheath", "random-takeover"),
+        "evaluation_episodes": 10,
+        "final_episodes": 20,
+    },
 )
 STUDY = Study(FETCH, plans={"full": FULL})
