@@ -26,7 +26,7 @@ def lift(seen):
 
 LIFT = from_robosuite(
     "Lift",
-    settings={"robots": "Panda", "horizon": 100},
+    settings={"robots": "Panda", "horizon": 60},
     summary="lift a cube off the table",
     expert=lift,
     leave_out=[
