@@ -24,9 +24,9 @@ help: ## print this list
 
 install: $(DEV_STAMP) gl browser ## make .venv with everything that a developer needs
 
-demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser
+demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser; PORT=0 takes any
 	@hold=; if [ -t 1 ]; then hold=--hold; echo 'The page stays open at the end, until Ctrl-C.'; fi; \
-	$(BIN)/sheath experiment driving --quick --dashboard $$hold
+	$(BIN)/sheath experiment driving --quick --dashboard $(if $(PORT),--port $(PORT)) $$hold
 
 # Fast to slow; the first that fails stops the rest.
 test: lint contracts types docs gl browser ## lint, import contracts, types, documentation, tests

@@ -56,3 +56,4 @@ if __name__ == "__main__":
     check_task(CART)
     (episode,), path = sheath.demonstrations(CART, 1), (*sys.argv, "own_task.png")[1]
     Image.fromarray(sheath.contact_sheet(CART, episode, (0, -6, -1))).save(path)
+    print(f"{episode.outcome} after {len(episode)} steps, drawn in {path}")

@@ -11,7 +11,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from sheath_manip.adapters.from_callable import from_callable
+    from sheath_manip.adapters.from_torch import from_torch
     from sheath_manip.array_environment import ArrayEnvironment
+    from sheath_manip.dataset.exchange.sources import import_data
     from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.exceptions import SheathError
     from sheath_manip.gates.config import GateConfig
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
     from sheath_manip.learning.first_episodes import demonstrations, gated_episode
     from sheath_manip.learning.fitting import fit_gate
+    from sheath_manip.learning.gate_file import load_gate
     from sheath_manip.playback.making import contact_sheet
     from sheath_manip.policies import make_policy
     from sheath_manip.protocols import Environment, Expert, Gate, Judge, Policy
@@ -73,15 +77,22 @@ __all__ = [
     "contact_sheet",
     "demonstrations",
     "fit_gate",
+    "from_callable",
+    "from_torch",
     "gated_episode",
     "held_out_threshold",
+    "import_data",
     "load_checkpoint",
+    "load_gate",
     "make_policy",
     "samples_from",
 ]
 
 _HOMES = {
+    "adapters.from_callable": ("from_callable",),
+    "adapters.from_torch": ("from_torch",),
     "array_environment": ("ArrayEnvironment",),
+    "dataset.exchange.sources": ("import_data",),
     "dataset.store": ("EpisodeStore",),
     "exceptions": ("SheathError",),
     "gates.config": ("GateConfig",),
@@ -90,6 +101,7 @@ _HOMES = {
     "learning.checkpoint": ("Checkpoint", "load_checkpoint"),
     "learning.first_episodes": ("demonstrations", "gated_episode"),
     "learning.fitting": ("fit_gate",),
+    "learning.gate_file": ("load_gate",),
     "playback.making": ("contact_sheet",),
     "policies": ("make_policy",),
     "protocols": ("Environment", "Expert", "Gate", "Judge", "Policy"),

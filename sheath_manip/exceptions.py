@@ -61,3 +61,7 @@ class UnattendedError(SheathError):
 
 class UnscoredError(ParameterError):
     """So many states have no score that no threshold will do."""
+
+
+class GateWarning(UserWarning):
+    """A gate that was made as asked, and will not do what a gate is for."""

@@ -27,7 +27,8 @@ class Task:
     name: str
     summary: str
     variants: Mapping[str, Callable[[], Environment]]
-    """by name; `default` is used where none is asked for, `final` to judge final policies"""
+    """by name; `default` is used where none is asked for, `final` to judge last policies: without
+    it they are judged on the variant that they were learned on"""
     expert: Callable[[Any], Expert]
     """from the environment, since an expert may look at the physics"""
     run_variants: Mapping[str, Callable[[int], Environment]] = field(default_factory=dict)

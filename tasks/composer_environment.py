@@ -10,7 +10,7 @@ import numpy as np
 from dm_control import composer, mjcf
 from numpy.typing import NDArray
 
-from sheath_manip.tasks.scene import scene_geoms
+from sheath_manip.adapters.mujoco_scene import scene_geoms
 from sheath_manip.types import (
     Action,
     Commanded,

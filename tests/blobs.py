@@ -3,10 +3,12 @@
 from functools import cache
 
 import numpy as np
+import torch
 
+from sheath_manip.adapters.from_torch import from_torch
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import TrainablePolicy
-from sheath_manip.types import ActionSpec, Observation, TaskSpec
+from sheath_manip.protocols import PredictingPolicy, TrainablePolicy
+from sheath_manip.types import ActionSpec, Observation, Observations, TaskSpec
 from sheath_manip.types.samples import Samples
 
 CHOICES = np.radians([[-15.0], [0.0], [15.0]]).astype(np.float32)
@@ -45,3 +47,16 @@ def held_out() -> Samples:
 def fitted_policy(name: str) -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
     return make_policy(name, SPEC, seed=0).fit(training())
+
+
+@cache
+def hidden_layer() -> PredictingPolicy:
+    """Somebody's module, whose first layer gives (n, 3, 4) of each image."""
+    first = torch.nn.Sequential(torch.nn.AdaptiveAvgPool2d((4, 1)), torch.nn.Flatten(2))
+    torch.manual_seed(0)
+    module = torch.nn.Sequential(first, torch.nn.Flatten(), torch.nn.Linear(12, 3))
+    return from_torch(module, embed="0", inputs=_channels_first, action=ACTION)
+
+
+def _channels_first(observations: Observations) -> np.ndarray:
+    return np.moveaxis(observations.images["top"], 3, 1).astype(np.float32)

@@ -9,7 +9,7 @@ from sheath_manip.cli.adjusting import adjusted
 from sheath_manip.cli.entry import run_command
 from sheath_manip.cli.session import Catalog
 from sheath_manip.learning.checkpoint import load_checkpoint
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Restorable
 from sheath_manip.rollout import serial
 from sheath_manip.rollout.discarding import draws_of
 from sheath_manip.rollout.request import Driver, EpisodeRequest
@@ -36,6 +36,7 @@ def decided(driver: Driver, task: Task, environment: Environment, episode: Episo
     """What the driver's gate says of the recorded observations, asked as the loop asks it."""
     crew = driver.crew(task, environment)
     assert crew.policy is not None
+    assert isinstance(environment, Restorable)
     environment.reset(episode.info.seed)
     rng = draws_of(episode.info)
     crew.policy.reset(rng.spawn(1)[0])

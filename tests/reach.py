@@ -38,6 +38,16 @@ SETTINGS: dict[str, Any] = {
     "feature_noise": 0.02,
 }
 """with which the toy is learned in seconds"""
+ACT_SETTINGS: dict[str, Any] = {
+    **{name: value for name, value in SETTINGS.items() if name != "hidden"},
+    "steps": 150,
+    "learning_rate": 4e-3,
+    "chunk": 4,
+    "executed_steps": 3,
+    "width": 32,
+    "heads": 2,
+    "layers": 1,
+}
 
 
 def reach_samples(count: int, seed: int, spread_m: float = 1.0) -> Samples:
@@ -78,4 +88,5 @@ def held_out() -> Samples:
 @cache
 def fitted_policy(name: str = "spatial-cnn") -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
-    return make_policy(name, SPEC, seed=0, **SETTINGS).fit(training())
+    settings = ACT_SETTINGS if name == "act" else SETTINGS
+    return make_policy(name, SPEC, seed=0, **settings).fit(training())

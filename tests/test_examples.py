@@ -1,9 +1,11 @@
 """The examples run as a reader runs them, and each draws its picture."""
 
 import runpy
+import signal
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 from PIL import Image
 
@@ -14,6 +16,8 @@ MOST_LINES = 60
 
 def run(monkeypatch: pytest.MonkeyPatch, name: str, *arguments: object) -> None:
     monkeypatch.setattr(sys, "argv", [name, *map(str, arguments)])
+    # The command ends a program that is interrupted; this one goes on.
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
     runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
 
 
@@ -64,3 +68,18 @@ def test_a_torch_network_is_gated(monkeypatch, tmp_path, capsys) -> None:
     run(monkeypatch, "gate_a_torch_policy", tmp_path / "gated.png", 150)
     assert "the expert acted in" in capsys.readouterr().out
     assert drawn(tmp_path / "gated.png")[0] == 3 * 720
+
+
+def test_a_plain_loop_is_gated_from_recordings_alone(monkeypatch, tmp_path, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    # It is imported by its own name, as the file of the policy.
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    try:
+        run(monkeypatch, "gate_a_control_loop", "gated.png")
+    finally:
+        sys.modules.pop("gate_a_control_loop", None)
+        plt.close("all")
+    said = capsys.readouterr().out
+    assert "false alarms" in said
+    assert "alone: into the wall\ngated: through" in said
+    assert drawn(tmp_path / "gated.png")[0] >= 720

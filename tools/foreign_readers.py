@@ -3,8 +3,9 @@
     python -m tools.foreign_readers DIRECTORY [--readers zarr2 robomimic ...] [--store STORE]
 
 makes the venvs under DIRECTORY, once, exports the episodes of STORE (by default some synthetic
-ones), and compares what each loader gives with what was stored. robomimic and LeRobot are installed
-with the few packages that their loaders import, since all that they ask for takes gigabytes.
+ones), and compares what each loader gives with what was stored. LeRobot's own policies are held
+against themselves too, as they drive in this project's loop. robomimic and LeRobot are installed
+with the few packages that they import for this, since all that they ask for takes gigabytes.
 """
 
 import argparse
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sheath_manip.dataset.exchange.actions import REQUESTED, requested
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection, selected
 from sheath_manip.dataset.reader import EpisodeReader
@@ -42,6 +44,8 @@ class Reader:
     """packages to install without what they ask for"""
     writer: str = ""
     """script that exports, where only the venv can"""
+    drivers: tuple[str, ...] = ()
+    """scripts in which policies of the venv's drive in this project's loop"""
 
 
 READERS = {
@@ -76,20 +80,34 @@ READERS = {
             "deepdiff<9",
             "draccus==0.10.0",
             "einops",
+            "gymnasium",
             "huggingface-hub<0.36",
+            "imageio",
             "jsonlines",
             # From 2.4 numpy refuses what LeRobot 0.4 does with values of shape (1,).
             "numpy==2.3.*",
             "packaging<26",
             "pandas",
             "pillow",
+            "pyserial",
             "termcolor",
             "torch==2.13.0",
-            # For our side of its writer.
+            # What diffusers asks for, of which nothing else is to be taken.
+            "importlib-metadata",
+            "regex",
+            "requests",
+            "safetensors",
+            # For our side of its writer, and for the loop and a gate.
+            "opencv-python-headless",
+            "rich",
+            "scikit-learn",
+            "scipy",
+            "threadpoolctl",
             "zarr==3.1.6",
         ),
-        bare=("lerobot==0.4.4", "torchvision==0.28.0"),
+        bare=("diffusers==0.35.2", "lerobot==0.4.4", "torchvision==0.28.0"),
         writer="write_lerobot.py",
+        drivers=("drive_lerobot.py", "gate_lerobot.py"),
     ),
 }
 
@@ -114,6 +132,9 @@ def synthetic_store(path: Path, episodes: int = 4, length: int = 70) -> EpisodeS
         episode = synthetic_episode(synthetic_info(0, index), length + index, pixels=12)
         ended = index % 2 == 0
         outcome = Outcome.SUCCESS if ended else Outcome.TIME_LIMIT
+        # A command filter was in between: asked for was more than was done.
+        slowed = replace(episode.steps[0], executed=episode.steps[0].executed / 2)
+        episode = replace(episode, steps=(slowed, *episode.steps[1:]))
         store.append(replace(episode, terminated=ended, truncated=not ended, outcome=outcome))
     return store
 
@@ -122,7 +143,8 @@ def write_expected(store: EpisodeReader, path: Path) -> None:
     """The arrays of all episodes as `NUMBER/NAME`, for scripts that know nothing of ours."""
     arrays = {}
     for number, recorded in enumerate(selected(store, Selection())):
-        arrays |= {f"{number}/{name}": array for name, array in recorded.arrays.items()}
+        held = {**recorded.arrays, REQUESTED: requested(recorded)}
+        arrays |= {f"{number}/{name}": array for name, array in held.items()}
         arrays["episodes"] = np.array(number + 1)
     np.savez(path, **arrays)
 
@@ -142,6 +164,16 @@ def read_back(reader: Reader, python: Path, store: EpisodeStore, folder: Path) -
             export(store, out, reader.format, Selection())
         said.append(run(python, reader.script, out, expected))
     return said
+
+
+def drive(reader: Reader, python: Path, folder: Path) -> list[str]:
+    """Have policies of the venv's drive in our loop; what was said of it.
+
+    Raises CalledProcessError where one does not as in its own; the error is printed before.
+    """
+    return [
+        run(python, script, folder / Path(script).stem, project=True) for script in reader.drivers
+    ]
 
 
 def run(python: Path, script: str, *arguments: Path, project: bool = False) -> str:
@@ -185,6 +217,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             try:
                 python = make_venv(options.directory / name, READERS[name])
                 for line in read_back(READERS[name], python, store, Path(folder)):
+                    print(line, flush=True)
+                for line in drive(READERS[name], python, Path(folder)):
                     print(line, flush=True)
             except subprocess.CalledProcessError as error:
                 print(f"{name}: FAILED ({error})", flush=True)

@@ -19,7 +19,8 @@ def _as_bits(episode: Episode) -> list[object]:
 
     def seen(observation: Observation) -> list[object]:
         images = {camera: bits(image) for camera, image in observation.images.items()}
-        return [images, bits(observation.features), bits(observation.time_s)]
+        numbers = [bits(value) for value in (observation.features, observation.time_s)]
+        return [images, *numbers, observation.instruction]
 
     def done(step: Step) -> list[object]:
         decision = step.decision

@@ -11,6 +11,8 @@ from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
 from sheath_manip.gates.fitted import FittedGate
+from sheath_manip.gates.patient import PatientGate
+from sheath_manip.gates.progress import ProgressGate
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.fitting import Looks, looks_of, with_nu
@@ -51,7 +53,13 @@ class Adjusting:
 
 def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:
     """Return the checkpoint's gate, at the boundary of `dial` where it has one."""
-    gate = checkpoint.gate()
+    return _with_dial(checkpoint.gate(), dial)
+
+
+def _with_dial(gate: Gate, dial: Dial) -> Gate:
+    if isinstance(gate, PatientGate | ProgressGate):
+        gate.gate = _with_dial(gate.gate, dial)
+        return gate
     return Adjustable(gate, dial) if isinstance(gate, SupportGate) else gate
 
 

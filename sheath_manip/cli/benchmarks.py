@@ -43,6 +43,15 @@ def nu(asked: Asked, session: Session) -> None:
     _run("nu", PLANS, run_nu, asked, session)
 
 
+def takeovers(asked: Asked, session: Session) -> None:
+    """Every gate beside baselines that call the expert as often, on every task."""
+    # Only now: torch takes seconds to import.
+    from sheath_manip.experiments.takeovers.benchmark import run_takeovers
+    from sheath_manip.experiments.takeovers.plan import PLANS
+
+    _run("takeovers", PLANS, run_takeovers, asked, session)
+
+
 def _run(
     name: str,
     plans: Mapping[str, Any],
@@ -69,4 +78,8 @@ def _run(
     )
 
 
-BENCHMARKS: dict[str, Callable[[Asked, Session], None]] = {"gates": gates, "nu": nu}
+BENCHMARKS: dict[str, Callable[[Asked, Session], None]] = {
+    "gates": gates,
+    "nu": nu,
+    "takeovers": takeovers,
+}

@@ -18,7 +18,7 @@ class Comparing:
 
     task: TaskName
     """name of the experiment: its task's, as `sheath tasks` lists it or a file says
-    (`file.py:TASK`), or `gates` or `nu`"""
+    (`file.py:TASK`), or `gates`, `nu` or `takeovers`"""
     plan: str = "full"
     """name of the plan of settings, as `sheath tasks` lists it; each keeps apart from the full
     one"""

@@ -5,7 +5,9 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout, suppress
 from dataclasses import make_dataclass
+from io import StringIO
 from typing import Annotated, Any, Union
 
 import tyro
@@ -17,6 +19,7 @@ from sheath_manip.cli.evaluate import Evaluate
 from sheath_manip.cli.examples import FIRST_STEPS, described
 from sheath_manip.cli.experiment import Experiment
 from sheath_manip.cli.figures import Figures
+from sheath_manip.cli.gate import Gate
 from sheath_manip.cli.interrupts import interruptible
 from sheath_manip.cli.learn import Learn
 from sheath_manip.cli.machine import Doctor, Tables
@@ -26,7 +29,9 @@ from sheath_manip.cli.run import Run
 from sheath_manip.cli.session import LoadCatalog, Session, Verb
 from sheath_manip.cli.teleop import Teleop
 from sheath_manip.cli.train import Train
+from sheath_manip.cli.warned import warned_in_one_line
 from sheath_manip.cli.watch import Watch
+from sheath_manip.cli.wrong_line import one_sentence, require_verb
 from sheath_manip.exceptions import SheathError
 from sheath_manip.printable import printable
 
@@ -46,13 +51,16 @@ OF_A_STORE: dict[str, type[Verb]] = {
     "replay": Replay,
     "data": Data,
 }
+OF_A_POLICY: dict[str, type[Verb]] = {
+    "gate": Gate,
+}
 OF_THE_MACHINE: dict[str, type[Verb]] = {
     "tasks": Tables,
     "claims": Claims,
     "figures": Figures,
     "doctor": Doctor,
 }
-VERBS = OF_THE_MACHINE | OF_A_TASK | OF_A_STORE
+VERBS = OF_THE_MACHINE | OF_A_TASK | OF_A_POLICY | OF_A_STORE
 """all of `sheath`"""
 
 
@@ -80,7 +88,7 @@ def _run(
     prog: str,
     about: str,
 ) -> int:
-    with interruptible() as interruption:
+    with interruptible() as interruption, warned_in_one_line():
         try:
             return _called(verbs, catalog, argv, prog, about)
         except Exception:
@@ -129,8 +137,27 @@ def read_line(
 ) -> Verb:
     """Return the verb that `argv` asks for, with its options, and run nothing.
 
-    Prints and raises SystemExit where the line is no line of `verbs`, or wants a help.
+    Prints and raises SystemExit where the line wants a help. Raises UnknownNameError for a verb
+    that there is not, and ParameterError where the line is no line of its verb.
     """
+    require_verb(argv, verbs)
+
+    def help_of(words: Sequence[str]) -> str:
+        with redirect_stdout(StringIO()) as printed, suppress(SystemExit):
+            _parsed(verbs, catalog, [*words, "--help"], prog, about)
+        return printed.getvalue()
+
+    with one_sentence(prog, argv, help_of):
+        return _parsed(verbs, catalog, argv, prog, about)
+
+
+def _parsed(
+    verbs: Mapping[str, type[Verb]],
+    catalog: LoadCatalog,
+    argv: Sequence[str],
+    prog: str,
+    about: str,
+) -> Verb:
     choices = [_choice(name, verb, catalog, argv) for name, verb in verbs.items()]
     line: Any = Union[tuple(choices)]  # noqa: UP007 - of a list that is known only here
     return tyro.cli(

@@ -18,7 +18,7 @@ from sheath_manip.policies.config import PolicyConfig
 
 @dataclass(frozen=True, kw_only=True)
 class Benchmark(Comparing):
-    """Compare gates (`gates`) or sizes of the support (`nu`), on all tasks that offer it.
+    """Compare gates (`gates`, `takeovers`) or sizes of the support (`nu`), on all tasks that do.
 
     Stopped anywhere and called again, it goes on where it was.
     """
@@ -40,7 +40,8 @@ class Benchmark(Comparing):
 class Experiment(Comparing, Planned):
     """Compare the methods on a task: demonstrations, rounds, held-out scenes, table and figures.
 
-    The experiment `gates` compares gates instead, on all tasks that have probes, and `nu` the sizes
+    The experiment `gates` compares gates instead, on all tasks that have probes, `takeovers` holds
+    gates against what calls the expert as often and looks at nothing, and `nu` compares the sizes
     of the support, on all tasks that have a plan for it.
 
     Stopped anywhere and called again, it goes on where it was. Defaults are the plan's:

@@ -122,18 +122,21 @@ class Learn(Planned):
             final_episodes=self.final_episodes,
         )
         policy = asked_policy(self.policy, offered)
-        plan = LearningPlan(policy, self.gate, self.schedule, comparison)
         # Only now: torch takes seconds to import.
         from sheath_manip.cli.episodes import executor_of, opened
         from sheath_manip.dataset.store import EpisodeStore
-        from sheath_manip.learning.beforehand import require_learnable
+        from sheath_manip.learning.beforehand import require_learnable, with_final_variant
         from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.results import round_path
         from sheath_manip.learning.resuming import require_same_plan
         from sheath_manip.learning.run import LearningRun
+        from sheath_manip.learning.suited import suited
         from sheath_manip.metrics import endings_line, expert_share
 
+        plan = with_final_variant(task, LearningPlan(policy, self.gate, self.schedule, comparison))
         with opened(task, plan.schedule.variant, self.seed) as probe:
+            plan, line = suited(probe.spec, plan)
+            session.remark(line)
             require_learnable(probe.spec, plan, comparison.methods)
         if self.fresh:
             move_aside(self.runs, session)

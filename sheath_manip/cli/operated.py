@@ -1,6 +1,6 @@
 """Options and parts of a run whose expert is a person at the page."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -116,7 +116,7 @@ class Crew:
             task,
             expert=partial(_made_inside, task.expert),
             fallbacks={name: partial(_made_inside, make) for name, make in task.fallbacks.items()},
-            variants={name: partial(self._made, make) for name, make in task.variants.items()},
+            variants=_Operated(task.variants, self._made),
             run_variants={
                 name: partial(self._made, make) for name, make in task.run_variants.items()
             },
@@ -144,6 +144,26 @@ class Crew:
     def can_hold(self) -> bool:
         """Whether the robot can stay where it is."""
         return HOLD in self.task.fallbacks
+
+
+@dataclass(frozen=True, eq=False)
+class _Operated(Mapping[str, Callable[[], Environment]]):
+    """Variants whose environments a person may end: those that are listed, and those that are not.
+
+    A task may know more variants than it lists, such as one for each file of an arm.
+    """
+
+    variants: Mapping[str, Callable[[], Environment]]
+    made: Callable[..., Environment]
+
+    def __getitem__(self, name: str) -> Callable[[], Environment]:
+        return partial(self.made, self.variants[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.variants)
+
+    def __len__(self) -> int:
+        return len(self.variants)
 
 
 def _made_inside(make: Callable[[Any], Expert], environment: Environment) -> Expert:

@@ -126,6 +126,8 @@ class Replay:
 
         # Before the page is there, so that what cannot be shown is told on the terminal.
         film = maker.film(place)
+        if film.lacks:
+            session.out.print(Text(film.lacks))
         self.address.warn(session)
         page = ReplayPage(
             maker.spec(place),

@@ -17,7 +17,6 @@ from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import LearningPlan, Schedule
 from sheath_manip.metrics import endings_line
 from sheath_manip.policies.config import PolicyConfig
-from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.dataset.reader import EpisodeSummary
@@ -79,6 +78,8 @@ class Train(Planned):
         from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.fitting import fit_gate
         from sheath_manip.learning.keeping import keep
+        from sheath_manip.learning.splitting import learned_and_left, split_off
+        from sheath_manip.learning.suited import suited
         from sheath_manip.policies import make_policy
         from sheath_manip.policies.agreement import held_out_agreement
         from sheath_manip.types.samples import samples_from
@@ -88,17 +89,26 @@ class Train(Planned):
         with opened(task, _variant(summaries, task.name)) as environment:
             spec = environment.spec
         self._require_fits(summaries, spec)
+        plan, line = suited(spec, LearningPlan(config, self.gate))
+        config, wanted = plan.policy, plan.gate
+        session.remark(line)
 
         def fresh_policy() -> "TrainablePolicy":
             return make_policy(config.name, spec, seed=self.seed, **config.settings)
 
         # Before the fit, which takes its time, so that a wrong name is told at once.
-        require_makeable(spec, config, self.gate)
+        require_makeable(spec, config, wanted)
         if self.checkpoint.is_dir():
             raise ParameterError(f"{self.checkpoint} is a directory; wanted a file to write")
 
-        taken, left_out = self._chosen(summaries)
-        training, held_out = self._split(taken, left_out)
+        taken, left_out = learned_and_left(summaries, self.failures)
+        training, held_out = split_off(
+            taken,
+            left_out,
+            self.calibration,
+            self.store,
+            f"record more with `sheath collect {self.task}`",
+        )
         with session.err.status("reading"):
             require_finite_features(store, [*training, *held_out])
             states = (
@@ -109,12 +119,12 @@ class Train(Planned):
             calibration = [samples_from(store.learnable([name])) for name in held_out]
         with session.err.status(f"fitting {config.name} to {len(states)} states"):
             policy = fresh_policy().fit(states)
-        with session.err.status(f"fitting {self.gate.support.name} on {self.gate.embedding}"):
+        with session.err.status(f"fitting {wanted.support.name} on {wanted.embedding}"):
             fit = fit_gate(
                 policy,
                 states,
                 calibration,
-                self.gate,
+                wanted,
                 sources=Sources(tuple(training), tuple(held_out)),
                 agreement=lambda: held_out_agreement(
                     fresh_policy, states, tolerance=spec.action.tolerance
@@ -144,7 +154,7 @@ class Train(Planned):
             "training states above the threshold": f"{inside:.1%}",
             "threshold": f"{gate.threshold:.4g}",
             "steps below it": f"{np.mean(alarms):.1%} in the {len(held_out)} held-out expert "
-            f"episodes it was set on; {self.gate.threshold.false_alarm_rate:.1%} asked for",
+            f"episodes it was set on; {wanted.threshold.false_alarm_rate:.1%} asked for",
             "digest": digest(self.checkpoint),
         }
         for name, value in rows.items():
@@ -167,40 +177,6 @@ class Train(Planned):
             )
             who = f"{each.name} of {self.store}"
             require_compatible(wanted, each.spec, who, f"the task {spec.name}", remedy)
-
-    def _chosen(
-        self, summaries: "Sequence[EpisodeSummary]"
-    ) -> "tuple[list[EpisodeSummary], list[EpisodeSummary]]":
-        """The episodes with something to learn from, and those left out for how they ended."""
-        from sheath_manip.learning.demonstrations import BY_THE_EXPERT, is_learned_from
-
-        taken, left_out = list["EpisodeSummary"](), list["EpisodeSummary"]()
-        for each in summaries:
-            if each.queries or each.info.purpose in BY_THE_EXPERT:
-                learned = is_learned_from(each.info.purpose, each.outcome, self.failures)
-                (taken if learned else left_out).append(each)
-        return taken, left_out
-
-    def _split(
-        self, taken: "Sequence[EpisodeSummary]", left_out: "Sequence[EpisodeSummary]"
-    ) -> tuple[list[str], list[str]]:
-        """The names of the episodes to train on, and of the expert's last few, held out."""
-        from sheath_manip.learning.demonstrations import BY_THE_EXPERT, left_out_line
-
-        expert = sorted(
-            (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name)
-            for s in taken
-            if s.info.purpose in BY_THE_EXPERT
-        )
-        if len(expert) <= self.calibration:
-            told = f" ({left_out_line(s.outcome for s in left_out)})" if left_out else ""
-            raise ParameterError(
-                f"{self.store} holds {len(expert)} expert episodes to learn from{told}; wanted "
-                f"more than the {self.calibration} that are held out: record more with "
-                f"`sheath collect {self.task}`, or give a smaller --calibration"
-            )
-        held_out = [name for *_, name in expert[-self.calibration :]]
-        return [s.name for s in taken if s.name not in set(held_out)], held_out
 
 
 def _variant(summaries: "Sequence[EpisodeSummary]", task: str) -> str:

@@ -1,6 +1,6 @@
 """An environment whose episodes a person may end."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -9,15 +9,13 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.standing import Ending
 from sheath_manip.cockpit.unattended import require_attended
-from sheath_manip.protocols import Environment, Holds
+from sheath_manip.protocols import Environment, Holds, Restorable, Viewable
 from sheath_manip.rollout.discarding import DiscardedError
 from sheath_manip.types import (
     Action,
     Actor,
     Observation,
     Outcome,
-    SceneGeom,
-    ScenePose,
     TaskSpec,
     Transition,
 )
@@ -34,6 +32,12 @@ class OperatedEnvironment:
         self.environment = environment
         self.cockpit = cockpit
         self._observation: Observation | None = None
+        # Attributes of the instance, so that this one has just what the other has.
+        if isinstance(environment, Restorable):
+            self.state, self.restore = environment.state, self._restore
+        if isinstance(environment, Viewable):
+            self.scene = environment.scene
+            self.pose, self.pose_at = environment.pose, environment.pose_at
 
     @property
     def spec(self) -> TaskSpec:
@@ -91,27 +95,11 @@ class OperatedEnvironment:
         """The episode's figures so far."""
         return self.environment.metrics()
 
-    def state(self) -> NDArray[np.float64]:
-        """(s,) the whole simulator state."""
-        return self.environment.state()
-
-    def restore(self, state: NDArray[np.float64]) -> Observation:
-        """Continue from a `state()`."""
-        self._observation = self.environment.restore(state)
-        return self._observation
-
-    def scene(self) -> Sequence[SceneGeom]:
-        """The visible shapes."""
-        return self.environment.scene()
-
-    def pose(self) -> ScenePose:
-        """Return how the scene stands now."""
-        return self.environment.pose()
-
-    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
-        """Return how the scene stood in `state`."""
-        return self.environment.pose_at(state)
-
     def close(self) -> None:
         """Free what the simulator holds."""
         self.environment.close()
+
+    def _restore(self, state: NDArray[np.float64]) -> Observation:
+        assert isinstance(self.environment, Restorable)
+        self._observation = self.environment.restore(state)
+        return self._observation

@@ -17,7 +17,7 @@ from sheath_manip.dashboard.snapshot import Snapshot, snapshot_of
 from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dashboard.widget import WidgetContext, WidgetFactory
 from sheath_manip.learning.results import RoundResult
-from sheath_manip.playback.film import Film
+from sheath_manip.playback.film import Film, film_begun, pose_of
 from sheath_manip.protocols import Environment
 from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
@@ -95,7 +95,7 @@ class Dashboard(Closes):
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene; blocks while the person holds the run paused."""
-        self._film = Film(info, tuple(environment.scene()), environment.pose())
+        self._film = film_begun(environment, info)
         self._playhead.load(self._film)
         self.cockpit.note_episode(runs=True)
         # Else a run that was paused, or stopped and reset, between two episodes would begin.
@@ -104,7 +104,7 @@ class Dashboard(Closes):
     def on_step(self, environment: Environment, step: Step) -> None:
         """Take note of the step; blocks while the person holds the run paused."""
         assert self._film is not None, "on_start comes before on_step"
-        self._film.append(step, environment.pose())
+        self._film.append(step, pose_of(environment))
         self._drawer.wake()
         self.cockpit.wait()
 

@@ -194,7 +194,7 @@ function (settings) {
     if (state.mine) return [`You drive. H hands back, Space stops.${more}${device}`, GREEN];
     if (state.paused) return [`PAUSED. P resumes, . does one step.${old}`, GREY];
     if (state.idle_s > 1)
-      return [`BETWEEN EPISODES for ${state.idle_s} s: the program fits or measures, and the robot stands.${old}`, GREY];
+      return [`BETWEEN EPISODES for ${state.idle_s} s: the program fits or measures, and the robot stands.`, GREY];
     return [state.too_old ? old.trim() : "", AMBER];
   }
 

@@ -141,7 +141,7 @@ class Player:
 
     def _load(self, place: int) -> None:
         film = self._film_at(place)
-        self._set(place=place, film=film, at=0, playing=True, note="")
+        self._set(place=place, film=film, at=0, playing=True, note=film.lacks)
 
     def _toggle(self) -> None:
         now, film = self._now, self._now.film

@@ -116,7 +116,7 @@ def _listen(host: str, port: int) -> socket.socket:
     except (OSError, OverflowError) as error:
         raise SetupError(
             f"the dashboard cannot listen on {host}:{port} ({error}); "
-            "choose another port, or 0 for any free one"
+            "choose another one, such as --port 0 for any that is free"
         ) from error
 
 

@@ -51,8 +51,10 @@ def to_attributes(header: Header) -> dict[str, Any]:
     """The header as JSON; `from_attributes` is its inverse."""
     fields = asdict(replace(header, space=None, digests=None))
     info = fields.pop("info")
-    if not header.broken:
-        del fields["broken"]
+    # What few episodes have is written for those alone.
+    for name in ("broken", "instruction"):
+        if not fields[name]:
+            del fields[name]
     del fields["digests"]
     for name in ("seed", "round", "index", "run_seed"):
         # A seed often comes from numpy, whose integers JSON does not take.
@@ -187,6 +189,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         recorded_utc=fields.take("recorded_utc", word),
         space=fields.take("space", _space, **({"absent": None} if schema == 1 else {})),
         broken=fields.take("broken", broken_from_json, absent=()),
+        instruction=fields.take("instruction", word, absent=""),
     )
     if fields.take("success", flag) is not (header.outcome is Outcome.SUCCESS):
         raise ValueError(f"success: it tells another than the outcome {header.outcome}")

@@ -64,6 +64,8 @@ class Header:
     """what features and actions mean; None where the recording does not say"""
     broken: tuple[BrokenSteps, ...] = ()
     """what broke down, and when; what cut the episode short at a step after its last one"""
+    instruction: str = ""
+    """what the robot was told to do when the episode began; empty where nothing was said"""
     digests: Mapping[str, str] | None = field(default=None, compare=False)
     """of each array, by its path, as they were written; None where the recording does not say"""
 
@@ -115,6 +117,7 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
         space=space,
         broken=broken_steps(episode),
+        instruction=episode.steps[0].observation.instruction,
     )
     try:
         require_sizes(header)

@@ -23,9 +23,10 @@ from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.types.columns import ACTORS
 from sheath_manip.types.samples import Samples
 
-SCHEMA = 1
+SCHEMA = 2
 """Raise it whenever the files of an older one would be misread."""
 _IMAGE_PREFIX = "image-"
 
@@ -56,6 +57,8 @@ def mapped_samples(reader: EpisodeReader, names: Sequence[str], folder: Path) ->
             features=arrays["features"],
             labels=arrays["labels"],
             episodes=arrays["episodes"],
+            steps=arrays["steps"],
+            actors=arrays["actors"],
         )
     except (OSError, ValueError, KeyError) as error:
         raise StoreError(
@@ -106,6 +109,8 @@ def labelled_steps(reader: EpisodeReader, name: str) -> NDArray[np.bool_]:
 def _rows(recorded: Recorded, has: NDArray[np.bool_], number: int) -> dict[str, NDArray]:
     """The states of one episode that have a label, by the name of their file."""
     arrays = recorded.arrays
+    # What the codes stand for is told by each recording.
+    places = np.array([ACTORS.index(actor) for actor in recorded.header.actors], np.uint8)
     return {
         **{
             f"{_IMAGE_PREFIX}{camera}": arrays[f"images/{camera}"][has]
@@ -114,6 +119,8 @@ def _rows(recorded: Recorded, has: NDArray[np.bool_], number: int) -> dict[str, 
         "features": arrays["features"][has],
         "labels": arrays["labelled"][has],
         "episodes": np.full(int(has.sum()), number, np.int64),
+        "steps": np.flatnonzero(has).astype(np.int32),
+        "actors": places[arrays["actor"][has]],
     }
 
 

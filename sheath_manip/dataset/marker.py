@@ -10,6 +10,7 @@ from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.rooted_files import read_inside
 from sheath_manip.exceptions import StoreError
 from sheath_manip.files.bounded_json import parse_json
+from sheath_manip.files.nearest import nearest_beside
 from sheath_manip.files.outputs import sync, written_aside
 
 MARKER = "sheath-store.json"
@@ -17,6 +18,7 @@ FORMAT = "sheath-store"
 SCHEMA = 1
 """of the directory; each episode has its own, see `attributes.SCHEMA`"""
 MOST_MARKER_BYTES = 64 << 10
+OR_A_NEW_ONE = ", or a new one to record into"
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
 
 
@@ -24,7 +26,7 @@ def require_marker(path: Path) -> None:
     """Raise StoreError unless `path` is a store of this schema."""
     _require_directory(path)
     if not path.exists():
-        raise _no_store(path, "nothing")
+        raise _no_store(path, "nothing", nearest_beside(path))
     try:
         content = read_inside(path, MARKER, MOST_MARKER_BYTES)
     except (FileNotFoundError, NotADirectoryError) as error:
@@ -69,7 +71,7 @@ def write_marker(path: Path) -> None:
     if (path / MARKER).exists():
         return
     if foreign:
-        raise _no_store(path, f"a directory with {foreign[0]!r} in it")
+        raise _no_store(path, f"a directory with {foreign[0]!r} in it", OR_A_NEW_ONE)
     with written_aside(path / MARKER) as aside:
         aside.write_text(marker_text())
     sync(path.parent)
@@ -84,8 +86,8 @@ def _require_directory(path: Path) -> None:
         )
 
 
-def _no_store(path: Path | str, found: str) -> StoreError:
+def _no_store(path: Path | str, found: str, otherwise: str = "") -> StoreError:
     return StoreError(
         f"wanted an episode store at {path}, found {found}; give the directory that holds "
-        f"{MARKER}, or a new one to record into"
+        f"{MARKER}{otherwise}"
     )

@@ -19,7 +19,7 @@ from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.files.json_files import write_json
-from sheath_manip.learning.beforehand import require_learnable
+from sheath_manip.learning.beforehand import require_learnable, with_final_variant
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.methods import method_named
@@ -98,6 +98,7 @@ def run_experiment(
         follows = method_named(name).share_from
         if follows is not None and follows not in plan.comparison.methods:
             raise ParameterError(f"method {name} follows {follows}: add {follows} to the methods")
+    plan = with_final_variant(task, plan)
     _require_learnable(task, plan)
     runs.mkdir(parents=True, exist_ok=True)
     require_same_plan(plan.described(), runs / "plan.json")

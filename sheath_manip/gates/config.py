@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.signals import SignalChoice
 from sheath_manip.support import support_hyperparameters
 from sheath_manip.support.config import SupportConfig, ThresholdConfig
@@ -17,6 +18,7 @@ USED = (
     "release_margin",
     "quiet_steps",
     "minimum_hold_steps",
+    "requests",
     "labels",
 )
 """settings that no fit and no calibration looks at"""
@@ -49,6 +51,10 @@ class GateConfig:
     """steps in a row above the score of release before the expert hands back"""
     minimum_hold_steps: int = 0
     """least number of steps for which the expert acts once it has taken over"""
+    stuck_steps: int = 0
+    """steps in which nothing moves, by the expert's own stillest, after which the expert takes
+    over; 0: nobody notices"""
+    requests: RequestConfig = field(default_factory=RequestConfig)
     labels: str = "all"
     """states that the expert labels: all, or own (only those in which it acts)"""
 
@@ -57,7 +63,7 @@ class GateConfig:
             raise ParameterError(f"expert_share is {self.expert_share}; wanted 0 .. 1")
         if not 0 <= self.release_rate < 1:
             raise ParameterError(f"release_rate is {self.release_rate}; wanted 0 to below 1")
-        for name in ("release_margin", "quiet_steps", "minimum_hold_steps"):
+        for name in ("release_margin", "quiet_steps", "minimum_hold_steps", "stuck_steps"):
             if not getattr(self, name) >= 0:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 0")
         if self.labels not in LABELS:
@@ -87,7 +93,8 @@ class GateConfig:
             settings = dict(content)
             support = SupportConfig(**settings.pop("support", {}))
             threshold = ThresholdConfig(**settings.pop("threshold", {}))
-            return cls(**settings, support=support, threshold=threshold)
+            requests = RequestConfig(**settings.pop("requests", {}))
+            return cls(**settings, support=support, threshold=threshold, requests=requests)
         except TypeError as error:
             raise ParameterError(f"{content} is no config of a gate: {error}") from error
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig
+from sheath_manip.gates.progress import Progress
 from sheath_manip.policies.looking import look, seen_in
 from sheath_manip.protocols import PredictingPolicy, Reader, Signal
 from sheath_manip.types import Judgement, Observation, Proposal
@@ -38,6 +39,8 @@ class FittedGate:
     """>= 0, how far above the threshold a score must be for the expert to hand back, as it was
     calibrated; what the settings ask for comes on top"""
     sources: Sources = field(default_factory=Sources)
+    progress: Progress | None = None
+    """how little the expert moves within a while; None where nobody asks for it"""
 
     @property
     def readers(self) -> tuple[Reader, ...]:

@@ -7,6 +7,8 @@ from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.human import HumanGate, Nobody, Person
 from sheath_manip.gates.mixture import Mixture
+from sheath_manip.gates.patient import PatientGate
+from sheath_manip.gates.progress import ProgressGate
 from sheath_manip.gates.query import QueryFilter
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.gates.takeover import RandomTakeover
@@ -37,7 +39,7 @@ def make_gate(fitted: FittedGate, *, person: Person | None = None) -> Gate:
 def _support(fitted: FittedGate, person: Person) -> Gate:
     del person
     config = fitted.config
-    return SupportGate(
+    gate: Gate = SupportGate(
         fitted,
         fitted.threshold,
         query=config.labels == "all",
@@ -45,6 +47,9 @@ def _support(fitted: FittedGate, person: Person) -> Gate:
         quiet_steps=config.quiet_steps,
         minimum_hold_steps=config.minimum_hold_steps,
     )
+    if fitted.progress is not None:
+        gate = ProgressGate(gate, fitted.progress)
+    return PatientGate(gate, config.requests) if config.requests.limits else gate
 
 
 SUPPORT = GateKind(_support, looks=True)

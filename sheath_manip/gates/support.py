@@ -60,7 +60,10 @@ class SupportGate:
         self._quiet = 0
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
-        """Judge the proposal and decide; the expert where there is none."""
+        """Judge the proposal and decide; the expert where there is none.
+
+        Raises ParameterError where what judges gives no `Judgement`.
+        """
         if proposal is None:
             judgement = Judgement(float("nan"), Reason.INVALID_PROPOSAL)
         else:
@@ -77,6 +80,11 @@ class SupportGate:
             judgement = self.judge.judge(observation, proposal, self.threshold)
         except ArithmeticError:
             return NO_SCORE
+        if not isinstance(judgement, Judgement):
+            raise ParameterError(
+                f"judge gave a {type(judgement).__name__}; wanted a Judgement, such as "
+                "Judgement(0.3)"
+            )
         return NO_SCORE if np.isnan(judgement.score) else judgement
 
     def _reason(self, judgement: Judgement) -> Reason:

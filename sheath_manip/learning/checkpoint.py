@@ -5,6 +5,7 @@ The file is an .npz of plain arrays with a JSON header: no code is ever loaded f
 """
 
 import inspect
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -16,13 +17,19 @@ from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
-from sheath_manip.learning.checkpoint_file import read_arrays, require_digest, write_arrays
+from sheath_manip.gates.progress import Progress
+from sheath_manip.learning.checkpoint_file import (
+    WRITTEN_BY,
+    read_arrays,
+    require_digest,
+    write_arrays,
+)
 from sheath_manip.learning.checkpoint_header import require_header
 from sheath_manip.learning.older_checkpoints import header_of_schema_2
 from sheath_manip.learning.trying import require_works
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.nested_arrays import flatten, subtree
-from sheath_manip.protocols import Arrays, Gate, TrainablePolicy
+from sheath_manip.protocols import Arrays, Gate, PredictingPolicy, TrainablePolicy
 from sheath_manip.signals import make_signal
 from sheath_manip.types import TaskSpec
 
@@ -30,7 +37,8 @@ FORMAT = "sheath-checkpoint"
 SCHEMA = 4
 WITHOUT_DIGEST = (2, 3)
 """older schemas, which are still read"""
-PARTS = ("policy", "signal")
+EXTERNAL = "external"
+"""in place of the name of a policy that is not in the file, which then holds a gate alone"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,29 +81,15 @@ class Checkpoint:
 
         Raises CheckpointError where a learned number is not finite, and OSError.
         """
-        path = Path(path)
-        fitted = self.fitted
-        header = {
-            "format": FORMAT,
-            "schema": SCHEMA,
+        facts = {
             "task": self.task,
             "policy": {"name": self.policy_name, "hyper": _hyperparameters(self.policy)},
-            "gate": fitted.config.described(),
-            "has_signal": fitted.signal is not None,
-            "threshold": fitted.threshold,
-            "release_margin": fitted.release_margin,
-            "sources": asdict(fitted.sources),
             "method": self.method,
             "round": self.round,
             "run_seed": self.run_seed,
             "training_loss": self.training_loss,
         }
-        learned: dict[str, Arrays] = {"policy": self.policy.arrays()}
-        if fitted.signal is not None:
-            learned["signal"] = fitted.signal.arrays()
-        with written_aside(path) as aside, aside.open("wb") as file:
-            write_arrays(file, header, flatten(learned))
-        return path
+        return write_parts(Path(path), facts, self.fitted, {"policy": self.policy.arrays()})
 
 
 def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
@@ -106,7 +100,13 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
             task, or it names a policy, a signal, an embedding or a support that is in no table.
     """
     path = Path(path)
-    header, arrays, remark = _read(path)
+    header, arrays, remark = read_parts(path)
+    if header["policy"]["name"] == EXTERNAL:
+        raise CheckpointError(
+            f"{path} holds a gate alone, for a policy that is not in the file; wanted a checkpoint "
+            "that `sheath train` wrote, or sheath_manip.load_gate(path, policy) around a loop of "
+            "your own: docs/own/frozen-policy.md"
+        )
     if header["task"] != spec.name:
         raise CheckpointError(
             f"{path} was trained on task {header['task']!r}, not on {spec.name!r}; "
@@ -116,7 +116,7 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
         hyper = header["policy"]["hyper"]
         policy = make_policy(header["policy"]["name"], spec, **hyper)
         policy.load(subtree(arrays, "policy"))
-        fitted = _fitted(header, policy, subtree(arrays, "signal"))
+        fitted = fitted_in(header, policy, arrays)
         require_works(spec, fitted)
     except (UnknownNameError, ParameterError) as error:
         raise CheckpointError(f"{path} does not fit this version or task: {error}") from error
@@ -137,7 +137,30 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
     )
 
 
-def _fitted(header: dict[str, Any], policy: TrainablePolicy, arrays: Arrays) -> FittedGate:
+def write_parts(
+    path: Path, facts: Mapping[str, Any], fitted: FittedGate, learned: Mapping[str, Arrays]
+) -> Path:
+    """Write a gate, with further `facts` and `learned` arrays, in one stroke; return its path."""
+    header = {
+        "format": FORMAT,
+        "schema": SCHEMA,
+        "gate": fitted.config.described(),
+        "has_signal": fitted.signal is not None,
+        "threshold": fitted.threshold,
+        "release_margin": fitted.release_margin,
+        "sources": asdict(fitted.sources),
+        **facts,
+    }
+    signal = {} if fitted.signal is None else {"signal": fitted.signal.arrays()}
+    if fitted.progress is not None:
+        signal |= {"progress": fitted.progress.arrays()}
+    with written_aside(path) as aside, aside.open("wb") as file:
+        write_arrays(file, header, flatten({**learned, **signal}))
+    return path
+
+
+def fitted_in(header: Mapping[str, Any], policy: PredictingPolicy, arrays: Arrays) -> FittedGate:
+    """Return the gate of `policy` in a file's header and arrays; raises what loading it raises."""
     config = GateConfig.from_described(header["gate"])
     fitted = FittedGate(
         config=config,
@@ -146,11 +169,13 @@ def _fitted(header: dict[str, Any], policy: TrainablePolicy, arrays: Arrays) -> 
         release_margin=float(header["release_margin"]),
         sources=Sources(*(tuple(map(str, header["sources"][name])) for name in SOURCES)),
     )
+    if config.stuck_steps:
+        fitted = replace(fitted, progress=Progress.load(subtree(arrays, "progress")))
     if not header["has_signal"]:
         return fitted
     signal = make_signal(planned_signal(config))
     signal.attach(policy)
-    return replace(fitted, signal=signal.load(arrays))
+    return replace(fitted, signal=signal.load(subtree(arrays, "signal")))
 
 
 SOURCES = ("fitted_to", "held_out")
@@ -172,11 +197,14 @@ def _hyperparameters(component: Any) -> dict[str, Any]:
     return {name: getattr(component, name) for name in names if name != "spec"}
 
 
-def _read(path: Path) -> tuple[dict[str, Any], Arrays, str]:
-    """The header as one of this schema, the arrays, and what must be told of the file."""
+def read_parts(path: Path) -> tuple[dict[str, Any], Arrays, str]:
+    """Return the header as one of this schema, the arrays, and what must be told of the file.
+
+    Raises CheckpointError where the file is broken or of a schema that is not known.
+    """
     header, arrays = read_arrays(path)
     if header.get("format") != FORMAT:
-        raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+        raise CheckpointError(f"{path} is no checkpoint; wanted {WRITTEN_BY}")
     remark = ""
     if header.get("schema") == SCHEMA:
         require_digest(path, header, arrays)

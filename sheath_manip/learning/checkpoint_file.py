@@ -19,9 +19,11 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import CheckpointError
+from sheath_manip.files.nearest import nearest_beside
 from sheath_manip.files.plain_files import open_plain
 from sheath_manip.protocols import Arrays
 
+WRITTEN_BY = "a file that `sheath train` or `sheath learn` wrote"
 HEADER = "header"
 DIGEST = "digest"
 """in the header: 64 hex digits over all the rest of the file"""
@@ -75,7 +77,7 @@ def read_arrays(path: Path) -> tuple[dict[str, Any], dict[str, NDArray]]:
             arrays = _unpacked(path, archive, path.stat().st_size)
     except FileNotFoundError as error:
         raise CheckpointError(
-            f"no checkpoint at {path}; wanted a file that a training run wrote"
+            f"no checkpoint at {path}; wanted {WRITTEN_BY}{nearest_beside(path)}"
         ) from error
     except CheckpointError:
         raise
@@ -184,7 +186,7 @@ def _header(path: Path, stored: NDArray) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise CheckpointError(f"{path} has a header that does not decode ({error})") from error
     if not isinstance(header, dict):
-        raise CheckpointError(f"{path} is no checkpoint; wanted a file that a training run wrote")
+        raise CheckpointError(f"{path} is no checkpoint; wanted {WRITTEN_BY}")
     return header
 
 

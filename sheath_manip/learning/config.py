@@ -72,7 +72,8 @@ class Comparison:
     final_episodes: int = 20
     """scenes of the final variant on which the last policy is judged"""
     final_variant: str = "final"
-    """variant of the task on which the last policy is judged"""
+    """variant of the task on which the last policy is judged; of a task without a `final` the one
+    that is learned on"""
     held_out_set: str = "held-out"
     """name of the set of evaluation scenes; tuning uses another"""
 

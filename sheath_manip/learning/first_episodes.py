@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.drivers import ExpertAlone
 from sheath_manip.rollout.loop import rollout
@@ -25,7 +26,7 @@ def demonstrations(
         variant: of the task.
         seed: from which the scenes follow.
     """
-    environment = task.make(variant)
+    environment = _task(task).make(variant)
     spec = environment.spec
     environment.close()
     requests = [
@@ -63,7 +64,7 @@ def gated_episode(
         variant: of the task.
         seed: of the scene, and of what gate and policy draw.
     """
-    environment = task.make(variant)
+    environment = _task(task).make(variant)
     try:
         return rollout(
             environment,
@@ -82,3 +83,12 @@ def gated_episode(
         )
     finally:
         environment.close()
+
+
+def _task(task: Task) -> Task:
+    if not isinstance(task, Task):
+        raise ParameterError(
+            f"the task is {task!r}; wanted a Task, such as TASKS['driving'] of "
+            "sheath_manip.tasks.table"
+        )
+    return task

@@ -9,14 +9,16 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.progress import Progress
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import Agreement, PredictingPolicy, Refits, Signal
+from sheath_manip.protocols import Agreement, HasFloor, PredictingPolicy, Refits, Signal
 from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
     or_reject_all,
     planned_threshold,
 )
+from sheath_manip.support.reach import warn_out_of_reach
 from sheath_manip.types.samples import Samples
 from sheath_manip.types.seen import Seen
 
@@ -82,7 +84,8 @@ def fit_gate(
 ) -> Fit:
     """Fit the signal of `config` to the policy's training `states`, and calibrate the threshold.
 
-    Where too many states have no score for any threshold, the gate takes none for inside.
+    Where too many states have no score for any threshold, the gate takes none for inside. Warns
+    (GateWarning) where hardly any state can score below the threshold: `support.reach`.
 
     Args:
         policy: fitted to `states`.
@@ -116,9 +119,12 @@ def fit_to_looks(
 ) -> FittedGate:
     """Fit `signal`, unfitted and attached to `policy`, to what was looked at already."""
     measures = _calibrated(signal.fit(looks.labels, looks.states, agreement), looks)
-    fitted = FittedGate(config, policy, signal, sources=sources)
+    expert = [seen.features for seen in looks.calibration]
+    progress = Progress.of(expert, config.stuck_steps) if config.stuck_steps else None
+    fitted = FittedGate(config, policy, signal, sources=sources, progress=progress)
     if previous is not None and not config.threshold.recalibrate:
-        return replace(fitted, threshold=previous.threshold, release_margin=previous.release_margin)
+        kept = previous.threshold, previous.release_margin
+        return _checked(replace(fitted, threshold=kept[0], release_margin=kept[1]), len(measures))
     return _with_threshold(fitted, measures, looks.visited)
 
 
@@ -174,4 +180,11 @@ def _with_threshold(
     if config.release_rate > 0:
         release = or_reject_all(lambda: held_out_threshold(held_out, config.release_rate))
         margin = max(0.0, release - threshold)
-    return replace(fitted, threshold=threshold, release_margin=margin)
+    return _checked(replace(fitted, threshold=threshold, release_margin=margin), len(measures))
+
+
+def _checked(fitted: FittedGate, held_out: int) -> FittedGate:
+    """The gate, with a warning where it cannot do what it is for; a budget is always spent."""
+    if isinstance(fitted.signal, HasFloor) and fitted.config.threshold.rule != BUDGET:
+        warn_out_of_reach(fitted.threshold, fitted.signal.far_score, held_out)
+    return fitted

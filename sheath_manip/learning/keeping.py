@@ -9,9 +9,10 @@ from pathlib import Path
 
 from sheath_manip.exceptions import CheckpointError
 from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.gate_file import ExternalGate
 
 
-def keep(checkpoint: Checkpoint, path: Path) -> None:
+def keep(checkpoint: Checkpoint | ExternalGate, path: Path) -> None:
     """Save a checkpoint at `path` or, where it cannot be written there, in another folder.
 
     Raises CheckpointError in the second case too: it says where the file is, and how to put it

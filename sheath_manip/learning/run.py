@@ -12,6 +12,7 @@ from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.asking import Beside, RunEpisodes
+from sheath_manip.learning.beforehand import with_final_variant
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.checkpoints import Checkpoints
 from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
@@ -67,7 +68,7 @@ class LearningRun:
         `failures` expert episodes that did not succeed are learned from as well.
         """
         self.task = task
-        self.plan = plan
+        self.plan = with_final_variant(task, plan)
         self.run_seed = run_seed
         self.directory = directory
         self.store = store

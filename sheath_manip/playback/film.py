@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.playback.trace import GrowingTrace
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Viewable
 from sheath_manip.types import (
     Episode,
     EpisodeInfo,
@@ -15,17 +15,28 @@ from sheath_manip.types import (
     Step,
 )
 
+NO_POSE = ScenePose(np.zeros((0, 7)))
+"""of an environment that is not `Viewable`: of no body"""
+
 
 class Film:
     """Grows while the episode runs, on one thread; others may look meanwhile."""
 
     def __init__(
-        self, info: EpisodeInfo, scene: tuple[SceneGeom, ...], first_pose: ScenePose
+        self,
+        info: EpisodeInfo,
+        scene: tuple[SceneGeom, ...],
+        first_pose: ScenePose,
+        lacks: str = "",
     ) -> None:
-        """Begin with how the scene stands before the first step."""
+        """Begin with how the scene stands before the first step.
+
+        `lacks` says in a line for a person why there is no scene; empty where there is one.
+        """
         self.info = info
         self.scene = scene
         self.first_pose = first_pose
+        self.lacks = lacks
         self.trace = GrowingTrace(info)
         self.steps: list[Step] = []
         self.poses: list[ScenePose] = []
@@ -62,13 +73,37 @@ class Film:
         self.poses.append(pose)
 
 
+def film_begun(environment: Environment, info: EpisodeInfo) -> Film:
+    """Return the film of an episode that begins in `environment`, without its steps."""
+    if isinstance(environment, Viewable):
+        return Film(info, tuple(environment.scene()), environment.pose())
+    return Film(info, (), NO_POSE, _lacking(environment))
+
+
+def pose_of(environment: Environment) -> ScenePose:
+    """Return how the scene stands now, of no body where there is none to be seen."""
+    return environment.pose() if isinstance(environment, Viewable) else NO_POSE
+
+
 def film_of(environment: Environment, episode: Episode) -> Film:
     """A recorded `episode`, looked at in an `environment` of its task and variant."""
     environment.reset(episode.info.seed)
     states = [*(step.state for step in episode.steps), episode.final_state]
-    first_pose = environment.pose_at(states[0])
-    film = Film(episode.info, tuple(environment.scene()), first_pose)
-    for step, state in zip(episode.steps, states[1:], strict=True):
-        film.append(step, environment.pose_at(state))
+    if isinstance(environment, Viewable) and episode.final_state.size:
+        first_pose = environment.pose_at(states[0])
+        film = Film(episode.info, tuple(environment.scene()), first_pose)
+        for step, state in zip(episode.steps, states[1:], strict=True):
+            film.append(step, environment.pose_at(state))
+    else:
+        film = Film(episode.info, (), NO_POSE, _lacking(environment))
+        for step in episode.steps:
+            film.append(step, NO_POSE)
     film.end(episode)
     return film
+
+
+def _lacking(environment: Environment) -> str:
+    if isinstance(environment, Viewable):
+        return "only what cameras saw is shown: the recording has no simulator states"
+    name = type(environment).__name__
+    return f"only what cameras saw is shown: {name} has no scene() and pose() for a 3-D view"

@@ -35,8 +35,8 @@ def seen(film: Film) -> Pictures:
     """Return what the cameras saw, side by side; raises ParameterError where there was none."""
     if not film.steps or not film.steps[0].observation.images:
         raise ParameterError(
-            f"{film.info.task} was seen by no camera; wanted recorded images, or a `picture` in "
-            "the task's entry"
+            f"{film.info.task} was seen by no camera; wanted recorded images, or "
+            "Task(picture=...): docs/own/task.md"
         )
 
     def picture(moment: int) -> NDArray[np.uint8]:

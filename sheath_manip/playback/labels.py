@@ -1,8 +1,12 @@
 """Who acts in a step, in words: one reading of a decision for banner, timeline and film."""
 
+import numpy as np
+
 from sheath_manip.types import Actor, Reason
 
 FALLBACK = "fallback controller"
+LEAST_DIGITS, MOST_DIGITS = 2, 6
+"""after the point, where a number is written without a power of ten"""
 _ACTS = {
     Actor.POLICY: "policy acts",
     Actor.EXPERT: "expert acts",
@@ -33,3 +37,12 @@ def actor_and_reason_label(actor: Actor, reason: Reason) -> str:
     """Return what a legend has: short, and with the reason where there is more than one."""
     who = actor_label(actor, reason).removesuffix(" acts")
     return f"{who}: {reason.value}" if actor is not Actor.POLICY and who != reason.value else who
+
+
+def score_label(score: float, threshold: float) -> str:
+    """Return such as "score 0.0219 ≥ -0.0021": with as many digits as tell the two apart."""
+    sizes = [size for size in (abs(threshold), abs(score - threshold)) if size > 0]
+    digits = 1 - int(np.floor(np.log10(min(sizes)))) if sizes else 0
+    form = f".{max(digits, LEAST_DIGITS)}f" if digits <= MOST_DIGITS else ".3g"
+    sign = "≥" if score >= threshold else "<"
+    return f"score {score:{form}} {sign} {threshold:{form}}"

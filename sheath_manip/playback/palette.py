@@ -34,6 +34,8 @@ REASON: dict[Reason, Rgb] = {
     Reason.OUTSIDE: (213, 94, 0),
     Reason.RISK: (150, 60, 130),
     Reason.HOLD: (240, 175, 120),
+    Reason.SPARED: (245, 205, 165),
+    Reason.STUCK: (120, 90, 60),
     Reason.PERSON: (0, 158, 115),
     Reason.IDLE: (140, 205, 185),
     Reason.WAITING: (240, 228, 66),

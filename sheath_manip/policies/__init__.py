@@ -1,8 +1,10 @@
 """Policies and their embeddings, by name."""
 
 from collections.abc import Callable
+from inspect import signature
 from typing import Any
 
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Embedding, TrainablePolicy
 from sheath_manip.registry import Registry
 from sheath_manip.types import TaskSpec
@@ -23,6 +25,8 @@ POLICIES: Registry[Callable[..., TrainablePolicy]] = Registry(
         "linear-svm": f"{_HERE}.linear_svm:LinearSvm",
         "linear-svm-paper": f"{_RECIPES}:linear_svm_paper",
         "smile": f"{_HERE}.smile:SmileMixture",
+        "act": f"{_HERE}.act:ActPolicy",
+        "mlp": f"{_HERE}.mlp:MlpPolicy",
     },
 )
 """Called with the task's spec, `seed` and further hyperparameters by name."""
@@ -62,10 +66,32 @@ FEATURE_EMBEDDINGS = {
     "features": f"{_HERE}.features:Features",
     "weighted-features": f"{_HERE}.weighted_features:WeightedFeatures",
 }
-EMBEDDINGS: Registry[Callable[[], Embedding]] = Registry(
+"""of features that are bits, as they are"""
+MEASURED_EMBEDDINGS = {
+    "scaled-features": f"{_RECIPES}:scaled_features",
+    "mlp-hidden": f"{_RECIPES}:mlp_hidden",
+}
+"""of features that are measured, each in a unit of its own; the last one is for the policy `mlp`"""
+LATENT_EMBEDDINGS = {
+    "latent": f"{_HERE}.latent:LatentEmbedding",
+    "latent-whitened": f"{_RECIPES}:latent_whitened",
+}
+"""of policies from elsewhere, which give a layer of theirs along"""
+ENCODER_EMBEDDINGS = {"frozen-encoder": f"{_HERE}.frozen_encoder:FrozenEncoder"}
+"""of cameras, in the eyes of a network that somebody else has trained; an extra brings it"""
+_TABLES = (
+    IMAGE_EMBEDDINGS,
+    SPATIAL_EMBEDDINGS,
+    TOOL_EMBEDDINGS,
+    FEATURE_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
+    LATENT_EMBEDDINGS,
+    ENCODER_EMBEDDINGS,
+)
+EMBEDDINGS: Registry[Callable[..., Embedding]] = Registry(
     "embedding",
     "sheath.embeddings",
-    IMAGE_EMBEDDINGS | SPATIAL_EMBEDDINGS | TOOL_EMBEDDINGS | FEATURE_EMBEDDINGS,
+    {name: target for table in _TABLES for name, target in table.items()},
 )
 
 DEFAULT_EMBEDDING = "convolutions-and-pixels"
@@ -79,8 +105,35 @@ def make_policy(
 
 
 def make_embedding(name: str = DEFAULT_EMBEDDING) -> Embedding:
-    """A fresh embedding of the table; UnknownNameError for a name that is not in it."""
-    return EMBEDDINGS[name]()
+    """A fresh embedding of the table, such as `pixels`, or of some cameras: `pixels:front,wrist`.
+
+    UnknownNameError for a name that is not in the table, ParameterError for cameras of an embedding
+    that does not look through them by name.
+    """
+    base, cameras = split_name(name)
+    make = EMBEDDINGS[base]
+    if not cameras:
+        return make()
+    if "cameras" not in signature(make).parameters:
+        raise ParameterError(
+            f"embedding {base!r} takes no cameras, as {name!r} has it; wanted {base!r} alone, or "
+            f"one that does, such as 'pixels:{','.join(cameras)}': --gate.embedding"
+        )
+    return make(cameras=cameras)
+
+
+def split_name(name: str) -> tuple[str, tuple[str, ...]]:
+    """Return an embedding's name in the table, and the cameras that stand behind its colon.
+
+    ParameterError where none stands behind a colon.
+    """
+    base, colon, cameras = name.partition(":")
+    if colon and not all(cameras.split(",")):
+        raise ParameterError(
+            f"embedding {name!r} lacks the name of a camera; wanted {base!r}, or cameras behind "
+            f"it like '{base}:front,wrist'"
+        )
+    return base, tuple(cameras.split(",")) if colon else ()
 
 
 def embeddings_like(name: str) -> list[str]:
@@ -88,5 +141,5 @@ def embeddings_like(name: str) -> list[str]:
 
     For an embedding from outside, the embedding itself is returned.
     """
-    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
-    return next((list(table) for table in tables if name in table), [name])
+    base, _ = split_name(name)
+    return next((list(table) for table in _TABLES if base in table), [name])

@@ -14,7 +14,7 @@ def choices_of(spec: TaskSpec) -> NDArray[np.float32]:
         raise ParameterError(
             f"task {spec.name!r} has no list of admissible actions; "
             "a classifier needs an ActionSpec with at least two choices. Where actions are "
-            f"continuous, spatial-cnn does with a camera, {OWN_POLICY}"
+            f"continuous, spatial-cnn does with a camera and mlp with features, {OWN_POLICY}"
         )
     return np.asarray(spec.action.choices, dtype=np.float32)
 

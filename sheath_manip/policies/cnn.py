@@ -20,9 +20,10 @@ from sheath_manip.policies.choices import (
     nearest_choices,
     zero_one_losses,
 )
-from sheath_manip.policies.learned_arrays import numbers, require_shapes
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
-from sheath_manip.policies.network import ConvNetwork, shapes_of
+from sheath_manip.policies.network import ConvNetwork
+from sheath_manip.policies.network_arrays import network_with, tensor_of, weights_of
 from sheath_manip.policies.reconstruction import reconstruction_loss
 from sheath_manip.policies.requirements import require_camera
 from sheath_manip.protocols import Arrays
@@ -167,7 +168,7 @@ class ConvPolicy(Memoryless):
         """
         network = self._fitted()
         with torch.inference_mode():
-            layers = network.activations(_tensor(observations.images[self.camera]))
+            layers = network.activations(tensor_of(observations.images[self.camera]))
             penultimate = network.rectified(layers[-1])
             logits = network.head(penultimate)
             scores = torch.softmax(logits, dim=1).numpy()
@@ -191,36 +192,22 @@ class ConvPolicy(Memoryless):
 
     def arrays(self) -> Arrays:
         """The weights by layer, those of the decoder included, and the number of fits so far."""
-        state = self._fitted().state_dict()
-        arrays = {name: tensor.contiguous().numpy().copy() for name, tensor in state.items()}
-        return {**arrays, "fits": np.array(self.fits_)}
+        return {**weights_of(self._fitted()), "fits": np.array(self.fits_)}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
         weights = {name: array for name, array in arrays.items() if name != "fits"}
-        try:
-            # Before memory is taken for what the hyperparameters ask for.
-            require_shapes(weights, shapes_of(self._fresh_network(weights=False)))
-        except ParameterError as error:
-            raise ParameterError(
-                f"the weights are not those of a network with channels {self.channels}, hidden "
-                f"layers {self.hidden}, {len(self.choices)} choices and reconstruction weight "
-                f"{self.reconstruction_weight:g}: {error}"
-            ) from error
-        network = self._fresh_network()
-        network.load_state_dict(
-            {name: torch.from_numpy(np.array(array)) for name, array in weights.items()}
+        network = network_with(
+            weights,
+            self._fresh_network,
+            f"channels {self.channels}, hidden layers {self.hidden}, {len(self.choices)} choices "
+            f"and reconstruction weight {self.reconstruction_weight:g}",
         )
         self.fits_ = int(numbers(arrays, "fits"))
-        self.network_ = network.eval()
+        self.network_ = network
         return self
 
     def _fitted(self) -> ConvNetwork:
         if self.network_ is None:
             raise ParameterError("the policy is not fitted yet; call fit or load first")
         return self.network_
-
-
-def _tensor(images: NDArray[np.uint8]) -> torch.Tensor:
-    # A copy where the array is read-only (a memory map), which torch would warn of.
-    return torch.from_numpy(images if images.flags.writeable else images.copy())

@@ -19,6 +19,7 @@ from sheath_manip.policies.choices import (
 )
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
+from sheath_manip.policies.requirements import require_features
 from sheath_manip.policies.squared_hinge import squared_hinge_weights
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
@@ -58,8 +59,7 @@ class LinearSvm(Memoryless):
                 f"task {spec.name!r} has actions between minimum and maximum; wanted buttons, "
                 "each at one of them in every choice"
             )
-        if not spec.feature_names:
-            raise ParameterError(f"task {spec.name!r} has no features; wanted some to look at")
+        require_features(spec)
         self._signs = np.where(self.choices == high, 1, -1).astype(np.float32)
 
     def fit(self, samples: Samples) -> Self:

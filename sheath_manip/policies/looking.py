@@ -28,7 +28,7 @@ def look(policy: PredictingPolicy, samples: Samples, readers: Sequence[Reader] =
         _looked(policy, samples, slice(first, first + together), readers)
         for first in range(0, max(len(samples), 1), together)
     ]
-    return parts[0] if len(parts) == 1 else _together(parts)
+    return parts[0] if len(parts) == 1 else end_to_end(parts)
 
 
 def look_to_fit(policy: PredictingPolicy, samples: Samples, to_fit: Signal | Embedding) -> Seen:
@@ -77,7 +77,9 @@ def _looked(
     return Seen(observations.features, proposal.now, readings, known)
 
 
-def _together(parts: Sequence[Seen]) -> Seen:
+def end_to_end(parts: Sequence[Seen]) -> Seen:
+    """Return the states of several looks with the same readers."""
+
     def joined(arrays: Sequence[NDArray]) -> NDArray:
         return np.concatenate(arrays)
 

@@ -17,13 +17,20 @@ class Pixels(ScaledEmbedding):
     driving task it tells as well as the convolutions do, a car in front less often (AUROC 0.77).
     """
 
-    def __init__(self, scaling: Scaling | None = None, side: int = 16, middle: float = 1.0) -> None:
+    def __init__(
+        self,
+        scaling: Scaling | None = None,
+        side: int = 16,
+        middle: float = 1.0,
+        cameras: tuple[str, ...] = (),
+    ) -> None:
         """Store the hyperparameters; ParameterError for a side or share that leaves no pixel.
 
         Args:
             scaling: of the vectors; standardised where None.
             side: pixels of the square image that is left.
             middle: share of the image's sides that is looked at, around its middle; in 0..1.
+            cameras: by name; all where none is named.
         """
         super().__init__(scaling)
         if side < 1 or not 0 < middle <= 1:
@@ -32,8 +39,9 @@ class Pixels(ScaledEmbedding):
             )
         self.side = side
         self.middle = middle
+        self.cameras = cameras
 
     def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, cameras * 3 side²)."""
         del policy
-        return (ShrunkPixels(self.side, self.middle),)
+        return (ShrunkPixels(self.side, self.middle, self.cameras),)

@@ -1,8 +1,8 @@
 """What is taken of a look: readers, each a small value, so that equal ones share the reading."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import cv2
 import numpy as np
@@ -19,7 +19,7 @@ MIDDLE = 0.5
 """share of a layer's sides that lies around the middle of the image"""
 NAMED_BY = "--gate.embedding, --gate.precedent-embedding"
 """the options that name embeddings"""
-INSTEAD = f"the embedding 'pixels', or 'features' where there is no camera: {NAMED_BY}"
+INSTEAD = f"the embedding 'pixels', or 'scaled-features' where there is no camera: {NAMED_BY}"
 """embeddings that do for any policy"""
 CONVOLUTION = "convolution "
 """what the latents of convolution layers are called, and then their number or camera"""
@@ -27,7 +27,7 @@ CONVOLUTION = "convolution "
 
 NO_CAMERA = (
     "there is no camera whose pixels could be looked at; wanted a task with one, or "
-    f"the embedding 'features': {NAMED_BY}"
+    f"the embedding 'scaled-features': {NAMED_BY}"
 )
 
 
@@ -118,46 +118,46 @@ class CamerasOnGrid:
     side: int
     """cells of the grid, each way"""
     cameras: tuple[str, ...] = ()
-    """all where none is named"""
+    """all, in the order of their names, where none is named"""
 
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
-        """(n, cameras * c * side²), the cameras in the order of their names."""
+        """(n, cameras * c * side²)."""
         del observations
-        layers = layers_by_camera(proposal)
-        pooled = [
-            functional.adaptive_avg_pool2d(layers[name], self.side).flatten(1)
-            for name in self.cameras or sorted(layers)
-        ]
+        layers = _of_cameras(layers_by_camera(proposal), self.cameras)
+        pooled = [functional.adaptive_avg_pool2d(layer, self.side).flatten(1) for layer in layers]
         return torch.cat(pooled, dim=1).numpy()
 
 
 @dataclass(frozen=True)
 class PointsOfCameras:
-    """Where each channel of every camera's convolution layer responds in the image."""
+    """Where each channel of every camera's convolution layer, or some cameras', responds."""
+
+    cameras: tuple[str, ...] = ()
+    """all, in the order of their names, where none is named"""
 
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
-        """(n, cameras * 2 c), the cameras in the order of their names."""
+        """(n, cameras * 2 c)."""
         del observations
-        layers = layers_by_camera(proposal)
-        return torch.cat([image_points(layers[name]) for name in sorted(layers)], dim=1).numpy()
+        layers = _of_cameras(layers_by_camera(proposal), self.cameras)
+        return torch.cat([image_points(layer) for layer in layers], dim=1).numpy()
 
 
 @dataclass(frozen=True)
 class ShrunkPixels:
-    """Every camera's image, or its middle, shrunk by area."""
+    """Every camera's image, or some cameras', or its middle, shrunk by area."""
 
     side: int
     """pixels of the square image that is left"""
     middle: float
     """share of the image's sides that is looked at, around its middle; in 0..1"""
+    cameras: tuple[str, ...] = ()
+    """all, in the order of their names, where none is named"""
 
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
-        """(n, cameras * 3 side²), each 0..1, the cameras in the order of their names."""
+        """(n, cameras * 3 side²), each 0..1."""
         del proposal
-        images = observations.images
-        if not images:
-            raise ParameterError(NO_CAMERA)
-        return np.concatenate([self._of_camera(images[name]) for name in sorted(images)], axis=1)
+        images = _of_cameras(observations.images, self.cameras)
+        return np.concatenate([self._of_camera(each) for each in images], axis=1)
 
     def _of_camera(self, images: NDArray[np.uint8]) -> NDArray[np.float32]:
         top, left = (round(side * (1 - self.middle) / 2) for side in images.shape[1:3])
@@ -220,9 +220,30 @@ OF_CAMERAS = (MiddleOfLastLayer, LayerOnGrid, CamerasOnGrid, PointsOfCameras, Sh
 
 
 def require_cameras(readers: Iterable[Reader], spec: TaskSpec) -> None:
-    """Raise ParameterError where any of `readers` wants a camera and the task has none."""
-    if not spec.cameras and any(isinstance(each, OF_CAMERAS) for each in readers):
+    """Raise ParameterError where any of `readers` wants a camera that the task has not."""
+    for each in readers:
+        if isinstance(each, OF_CAMERAS):
+            require_named(getattr(each, "cameras", ()), spec.cameras)
+
+
+def require_named(wanted: Iterable[str], cameras: Collection[str]) -> None:
+    """Raise ParameterError unless there are `cameras`, and those that are `wanted` among them."""
+    if not cameras:
         raise ParameterError(NO_CAMERA)
+    there = ",".join(sorted(cameras))
+    for name in wanted:
+        if name not in cameras:
+            raise ParameterError(
+                f"there is no camera {name!r} for an embedding to look through, there is {there}; "
+                f"name those to be looked through behind it, 'camera-convolutions:{there}': "
+                f"{NAMED_BY}"
+            )
+
+
+def _of_cameras(by_camera: Mapping[str, Any], wanted: tuple[str, ...]) -> list[Any]:
+    """Return what there is of the cameras that are `wanted`, of all where none is named."""
+    require_named(wanted, by_camera)
+    return [by_camera[name] for name in wanted or sorted(by_camera)]
 
 
 def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:

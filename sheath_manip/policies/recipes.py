@@ -6,11 +6,14 @@ from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.policies.contrast_whitening import ContrastWhitening
 from sheath_manip.policies.convolutional_embeddings import (
     FovealConvolutions,
+    Penultimate,
     PooledConvolutions,
     TwoScaleConvolutions,
 )
 from sheath_manip.policies.features import ScaledFeatures
+from sheath_manip.policies.latent import LatentEmbedding
 from sheath_manip.policies.linear_svm import LinearSvm
+from sheath_manip.policies.own_units import OwnUnits
 from sheath_manip.policies.pixels import Pixels
 from sheath_manip.policies.scaling import Whitening
 from sheath_manip.policies.side_by_side import SideBySide
@@ -61,9 +64,14 @@ def pooled_convolutions_whitened() -> PooledConvolutions:
     return PooledConvolutions(Whitening())
 
 
-def pixels_whitened() -> Pixels:
+def pixels_whitened(cameras: tuple[str, ...] = ()) -> Pixels:
     """The image itself, small and whitened."""
-    return Pixels(Whitening())
+    return Pixels(Whitening(), cameras=cameras)
+
+
+def latent_whitened() -> LatentEmbedding:
+    """What a layer of the policy shows, whitened."""
+    return LatentEmbedding(Whitening())
 
 
 def _and_features(seen: Embedding) -> SideBySide:
@@ -71,34 +79,46 @@ def _and_features(seen: Embedding) -> SideBySide:
     return SideBySide({"seen": seen, "felt": ScaledFeatures()}, {"seen": 2.0, "felt": 1.0})
 
 
-def image_points() -> SideBySide:
+def scaled_features() -> ScaledFeatures:
+    """Embed the features, each in a unit of its own."""
+    return ScaledFeatures(OwnUnits())
+
+
+def mlp_hidden() -> SideBySide:
+    """What the policy makes of the features in its last hidden layer, and the features."""
+    return SideBySide(
+        {"made": Penultimate(), "felt": scaled_features()}, {"made": 1.0, "felt": 1.0}
+    )
+
+
+def image_points(cameras: tuple[str, ...] = ()) -> SideBySide:
     """Embed where the policy looks in its cameras, and the features."""
-    return _and_features(ImagePoints())
+    return _and_features(ImagePoints(cameras=cameras))
 
 
-def image_points_whitened() -> SideBySide:
+def image_points_whitened(cameras: tuple[str, ...] = ()) -> SideBySide:
     """Embed where the policy looks in its cameras, whitened, and the features."""
-    return _and_features(ImagePoints(Whitening()))
+    return _and_features(ImagePoints(Whitening(), cameras))
 
 
-def camera_convolutions() -> SideBySide:
+def camera_convolutions(cameras: tuple[str, ...] = ()) -> SideBySide:
     """The convolutions of every camera, and the features."""
-    return _and_features(CameraConvolutions())
+    return _and_features(CameraConvolutions(cameras=cameras))
 
 
-def camera_convolutions_whitened() -> SideBySide:
+def camera_convolutions_whitened(cameras: tuple[str, ...] = ()) -> SideBySide:
     """The convolutions of every camera, whitened, and the features."""
-    return _and_features(CameraConvolutions(Whitening()))
+    return _and_features(CameraConvolutions(Whitening(), cameras=cameras))
 
 
 def wrist_convolutions() -> SideBySide:
     """The convolutions of the camera at the wrist, whitened, and the features."""
-    return _and_features(CameraConvolutions(Whitening(), cameras=("wrist",)))
+    return camera_convolutions_whitened(("wrist",))
 
 
-def pixels_and_features() -> SideBySide:
+def pixels_and_features(cameras: tuple[str, ...] = ()) -> SideBySide:
     """The images themselves, small and whitened, and the features."""
-    return _and_features(Pixels(Whitening(), side=12))
+    return _and_features(Pixels(Whitening(), side=12, cameras=cameras))
 
 
 def tool_points() -> FromTool:

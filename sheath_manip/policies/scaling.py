@@ -53,11 +53,15 @@ class Standardisation:
                 f"cannot scale vectors of shape {X.shape}; wanted finite (n > 0, d)"
             )
         deviations = X.std(axis=0)
-        moving = deviations[deviations > 0]
-        floor = LEAST_RELATIVE_STD * float(np.median(moving)) if len(moving) else 1.0
         self.mean_ = X.mean(axis=0).astype(np.float32)
-        self.factor_ = (1 / np.maximum(deviations, floor)).astype(np.float32)
+        self.factor_ = (1 / np.maximum(deviations, self._floor(X, deviations))).astype(np.float32)
         return self
+
+    def _floor(self, X: NDArray, deviations: NDArray) -> NDArray | float:
+        """Return the least standard deviation to divide by, from (n, d) vectors and their (d,)."""
+        del X
+        moving = deviations[deviations > 0]
+        return LEAST_RELATIVE_STD * float(np.median(moving)) if len(moving) else 1.0
 
     def transform(self, X: NDArray) -> NDArray[np.float32]:
         """(n, d) standardised vectors."""

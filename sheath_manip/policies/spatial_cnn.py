@@ -11,12 +11,13 @@ from torch.nn import functional
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import reflected, shifted
 from sheath_manip.policies.deviation import largest_deviations
-from sheath_manip.policies.learned_arrays import numbers, require_shapes
+from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
-from sheath_manip.policies.network import shapes_of
+from sheath_manip.policies.network_arrays import network_with, tensor_of, weights_of
 from sheath_manip.policies.requirements import require_camera
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.spatial_network import SpatialNetwork
+from sheath_manip.policies.unit_actions import from_unit, to_unit
 from sheath_manip.protocols import Arrays
 from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
@@ -84,6 +85,10 @@ class SpatialPolicy(Memoryless):
         self.scaling_ = Standardisation()
         self.fits_ = 0
 
+    def cameras_seen(self) -> tuple[str, ...]:
+        """Return the cameras of which a look has a convolution layer: all."""
+        return tuple(sorted(self.spec.cameras))
+
     def fit(self, samples: Samples) -> Self:
         """Fit to (n, a) labels; ParameterError for none."""
         if len(samples) == 0:
@@ -136,14 +141,14 @@ class SpatialPolicy(Memoryless):
                 states = reflected(states, self.spec.mirror, rng)
             images = {
                 name: torch.from_numpy(shifted(states.images[name], self.shift_px, rng))
-                for name in network.eyes
+                for name in network.cameras
             }
             felt = self.scaling_.transform(states.features)
             felt += self.feature_noise * rng.standard_normal(felt.shape, np.float32)
             # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
             with torch.autocast("cpu", torch.bfloat16):
                 outputs = network(images, torch.from_numpy(felt), torch.bfloat16)
-            targets = torch.from_numpy(self._to_unit(states.labels))
+            targets = torch.from_numpy(to_unit(self.spec.action, states.labels))
             loss = functional.mse_loss(outputs.float(), targets)
             optimiser.zero_grad()
             loss.backward()
@@ -156,12 +161,12 @@ class SpatialPolicy(Memoryless):
         Latents: by camera the last convolution layer's (n, c, h, w) output, as `convolution NAME`.
         """
         network, scaled = self._fitted(), self.scaling_.transform(observations.features)
-        images = {name: tensor_of(observations.images[name]) for name in network.eyes}
+        images = {name: tensor_of(observations.images[name]) for name in network.cameras}
         with torch.inference_mode():
             layers = network.activations(images)
             outputs = network.outputs(layers, torch.from_numpy(scaled)).numpy()
         latents = {f"convolution {name}": layer for name, layer in layers.items()}
-        return Proposal(self._from_unit(outputs), latents)
+        return Proposal(from_unit(self.spec.action, outputs), latents)
 
     def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
         """(n,) the largest deviation of any dimension from its label, as a share of its range.
@@ -172,8 +177,7 @@ class SpatialPolicy(Memoryless):
 
     def arrays(self) -> Arrays:
         """The weights by layer, the scaling of the features and the number of fits so far."""
-        state = self._fitted().state_dict()
-        weights = {name: tensor.contiguous().numpy().copy() for name, tensor in state.items()}
+        weights = weights_of(self._fitted())
         scaling = {f"scaling.{name}": array for name, array in self.scaling_.arrays().items()}
         return {**weights, **scaling, "fits": np.array(self.fits_)}
 
@@ -182,41 +186,19 @@ class SpatialPolicy(Memoryless):
         scaling = {name: arrays[name] for name in arrays if name.startswith("scaling.")}
         others = scaling.keys() | {"fits"}
         weights = {name: array for name, array in arrays.items() if name not in others}
-        try:
-            # Before memory is taken for what the hyperparameters ask for.
-            require_shapes(weights, shapes_of(self._fresh_network(weights=False)))
-        except ParameterError as error:
-            raise ParameterError(
-                f"the weights are not those of a network with channels {self.channels}, hidden "
-                f"layers {self.hidden}, cameras {sorted(self.spec.cameras)}, "
-                f"{len(self.spec.feature_names)} features and {len(self.spec.action.names)} "
-                f"outputs: {error}"
-            ) from error
-        network = self._fresh_network()
-        network.load_state_dict(
-            {name: torch.from_numpy(np.array(array)) for name, array in weights.items()}
+        network = network_with(
+            weights,
+            self._fresh_network,
+            f"channels {self.channels}, hidden layers {self.hidden}, cameras "
+            f"{sorted(self.spec.cameras)}, {len(self.spec.feature_names)} features and "
+            f"{len(self.spec.action.names)} outputs",
         )
         self.scaling_.load({name.partition(".")[2]: scaling[name] for name in scaling})
         self.fits_ = int(numbers(arrays, "fits"))
-        self.network_ = network.eval()
+        self.network_ = network
         return self
-
-    def _to_unit(self, actions: NDArray) -> NDArray[np.float32]:
-        """(n, a) from the units of the action to -1..1 between its bounds."""
-        low, high = self.spec.action.minimum, self.spec.action.maximum
-        return ((2 * actions - low - high) / self.spec.action.span).astype(np.float32)
-
-    def _from_unit(self, outputs: NDArray[np.float32]) -> NDArray[np.float32]:
-        low, high = self.spec.action.minimum, self.spec.action.maximum
-        actions = (low + high + outputs * self.spec.action.span) / 2
-        return np.clip(actions, low, high).astype(np.float32)
 
     def _fitted(self) -> SpatialNetwork:
         if self.network_ is None:
             raise ParameterError("the policy is not fitted yet; call fit or load first")
         return self.network_
-
-
-def tensor_of(images: NDArray[np.uint8]) -> torch.Tensor:
-    """The images as they are, or a copy where the array is read-only (a memory map)."""
-    return torch.from_numpy(images if images.flags.writeable else images.copy())

@@ -17,14 +17,22 @@ The support alone has .67, 70 % and 29 % on the first, both joined .70, 85 % and
 from the wrist matters: a fixed camera's view is drowned by the new scene.
 """
 
-from typing import final
+from typing import Protocol, final, runtime_checkable
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.embeddings import ScaledEmbedding
-from sheath_manip.policies.readings import INSTEAD, CamerasOnGrid, PointsOfCameras
+from sheath_manip.policies.readings import INSTEAD, CamerasOnGrid, PointsOfCameras, require_named
 from sheath_manip.policies.scaling import Scaling
-from sheath_manip.policies.spatial_cnn import SpatialPolicy
 from sheath_manip.protocols import PredictingPolicy, Reader
+
+
+@runtime_checkable
+class LooksThroughCameras(Protocol):
+    """A policy of whose looks each camera has a convolution layer, as the latent of its name."""
+
+    def cameras_seen(self) -> tuple[str, ...]:
+        """Return the names of the cameras."""
+        ...
 
 
 @final
@@ -34,10 +42,20 @@ class ImagePoints(ScaledEmbedding):
     The policy's own bottleneck, but one that keeps the space: 64 numbers a camera with 32 channels.
     """
 
+    def __init__(self, scaling: Scaling | None = None, cameras: tuple[str, ...] = ()) -> None:
+        """Store the hyperparameters.
+
+        Args:
+            scaling: of the vectors; standardised where None.
+            cameras: by name; all of the policy's where none is named.
+        """
+        super().__init__(scaling)
+        self.cameras = cameras
+
     def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
-        """(n, cameras * 2 channels[-1])."""
-        _require_spatial(policy, type(self).__name__)
-        return (PointsOfCameras(),)
+        """(n, cameras * 2 channels[-1]); ParameterError where there is no such camera."""
+        _require_seen(policy, self.cameras, type(self).__name__)
+        return (PointsOfCameras(self.cameras),)
 
 
 @final
@@ -60,20 +78,14 @@ class CameraConvolutions(ScaledEmbedding):
 
     def readers(self, policy: PredictingPolicy) -> tuple[Reader, ...]:
         """(n, cameras * channels[-1] * side²); ParameterError where there is no such camera."""
-        spatial = _require_spatial(policy, type(self).__name__)
-        for name in self.cameras:
-            if name not in spatial.spec.cameras:
-                raise ParameterError(
-                    f"{spatial.spec.name} has no camera {name!r}; it has "
-                    f"{', '.join(sorted(spatial.spec.cameras))}"
-                )
+        _require_seen(policy, self.cameras, type(self).__name__)
         return (CamerasOnGrid(self.side, self.cameras),)
 
 
-def _require_spatial(policy: PredictingPolicy, name: str) -> SpatialPolicy:
-    if not isinstance(policy, SpatialPolicy):
+def _require_seen(policy: PredictingPolicy, cameras: tuple[str, ...], name: str) -> None:
+    if not isinstance(policy, LooksThroughCameras):
         raise ParameterError(
-            f"embedding {name} needs a policy with convolutions of every camera, spatial-cnn, not "
-            f"{type(policy).__name__}; use {INSTEAD}"
+            f"embedding {name} needs a policy with convolutions of every camera, such as "
+            f"spatial-cnn and act, not {type(policy).__name__}; use {INSTEAD}"
         )
-    return policy
+    require_named(cameras, policy.cameras_seen())

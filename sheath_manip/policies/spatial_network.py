@@ -50,20 +50,13 @@ class SpatialNetwork(nn.Module):
             generator: of the first weights.
         """
         super().__init__()
-        if len(channels) != len(KERNELS):
-            raise ParameterError(
-                f"got {len(channels)} convolution layers; wanted {len(KERNELS)} channel counts"
-            )
-        for name, (height, width) in cameras.items():
-            if _side_left(min(height, width)) < 2:
-                raise ParameterError(
-                    f"images of {height}x{width} px of camera {name!r} are too small for "
-                    f"{len(KERNELS)} convolution layers; use larger images"
-                )
+        require_channels(channels)
+        require_large_enough(cameras)
+        self.cameras = tuple(sorted(cameras))
         # On the meta device the layers' own initialisation draws nothing from the global generator.
         with torch.device("meta"):
-            self.eyes = nn.ModuleDict({name: Eye(channels) for name in sorted(cameras)})
-            cells = sum(_side_left(h) * _side_left(w) for h, w in cameras.values())
+            self.eyes = nn.ModuleDict({_module_name(name): Eye(channels) for name in self.cameras})
+            cells = sum(side_left(h) * side_left(w) for h, w in cameras.values())
             self.look = nn.Linear(channels[-1] * cells, LOOK)
             widths = (2 * channels[-1] * len(cameras) + LOOK + features, *hidden)
             self.hidden = nn.ModuleList(
@@ -85,7 +78,8 @@ class SpatialNetwork(nn.Module):
         self, images: Mapping[str, torch.Tensor], dtype=torch.float32
     ) -> dict[str, torch.Tensor]:
         """(n, c, h, w) the last convolution layer's output, before its softmax, by camera."""
-        return {name: eye(images[name], dtype) for name, eye in self.eyes.items()}
+        eyes = zip(self.cameras, self.eyes.values(), strict=True)
+        return {name: eye(images[name], dtype) for name, eye in eyes}
 
     def forward(
         self, images: Mapping[str, torch.Tensor], features: torch.Tensor, dtype=torch.float32
@@ -125,6 +119,24 @@ class Eye(nn.Module):
         return outputs
 
 
+def require_channels(channels: Sequence[int]) -> None:
+    """Raise ParameterError unless there is a channel count for each convolution."""
+    if len(channels) != len(KERNELS):
+        raise ParameterError(
+            f"got {len(channels)} convolution layers; wanted {len(KERNELS)} channel counts"
+        )
+
+
+def require_large_enough(cameras: Mapping[str, tuple[int, int]]) -> None:
+    """Raise ParameterError where a camera's (height, width) leaves no grid of cells."""
+    for name, (height, width) in cameras.items():
+        if side_left(min(height, width)) < 2:
+            raise ParameterError(
+                f"images of {height}x{width} px of camera {name!r} are too small for "
+                f"{len(KERNELS)} convolution layers; use larger images"
+            )
+
+
 def image_points(layer: torch.Tensor) -> torch.Tensor:
     """Return (n, 2c) for (n, c, h, w): x, then y, of where each channel responds.
 
@@ -136,7 +148,14 @@ def image_points(layer: torch.Tensor) -> torch.Tensor:
     return torch.cat([shares.sum(dim=2) @ x, shares.sum(dim=3) @ y], dim=1)
 
 
-def _side_left(pixels: int) -> int:
+def _module_name(camera: str) -> str:
+    """Return the camera's name, or another where a module cannot be called so."""
+    taken = "." in camera or hasattr(nn.ModuleDict(), camera)
+    return f"camera {camera.replace('.', '/')}" if taken else camera
+
+
+def side_left(pixels: int) -> int:
+    """Return how many cells are left of a side of so many pixels."""
     for side, stride in KERNELS:
         pixels = (pixels - side) // stride + 1
     return pixels

@@ -9,12 +9,19 @@ from sheath_manip.protocols.acting import (
     TakesOver,
     Teleop,
 )
-from sheath_manip.protocols.environment import Environment, Holds
+from sheath_manip.protocols.environment import (
+    Environment,
+    Holds,
+    Restorable,
+    Viewable,
+    require_restorable,
+)
 from sheath_manip.protocols.judging import Gate, Judge
 from sheath_manip.protocols.learning import (
     Agreement,
     Arrays,
     Embedding,
+    HasFloor,
     PredictingPolicy,
     Reader,
     Refits,
@@ -32,6 +39,7 @@ __all__ = [
     "Expert",
     "Follows",
     "Gate",
+    "HasFloor",
     "HasOwnFrame",
     "Holds",
     "Judge",
@@ -43,9 +51,12 @@ __all__ = [
     "Refits",
     "Replans",
     "Report",
+    "Restorable",
     "Signal",
     "SupportEstimator",
     "TakesOver",
     "Teleop",
     "TrainablePolicy",
+    "Viewable",
+    "require_restorable",
 ]

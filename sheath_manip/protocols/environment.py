@@ -6,6 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.types import (
     Action,
     Observation,
@@ -18,7 +19,11 @@ from sheath_manip.types import (
 
 
 class Environment(Protocol):
-    """A seeded task: the same seed and actions give the same episode to the bit."""
+    """A seeded task: the same seed and actions give the same episode to the bit.
+
+    This is all that the loop needs; an environment that can do more is `Restorable`, `Viewable`, or
+    `Holds`.
+    """
 
     @property
     def spec(self) -> TaskSpec:
@@ -41,6 +46,18 @@ class Environment(Protocol):
         """The episode's figures so far, `spec.metric` among them."""
         ...
 
+    def close(self) -> None:
+        """Free what the simulator and its renderer hold."""
+        ...
+
+
+@runtime_checkable
+class Restorable(Protocol):
+    """An environment whose state can be read and returned to, as replay and probes want it.
+
+    The steps of one without this are recorded with an empty state.
+    """
+
     def state(self) -> NDArray[np.float64]:
         """(s,) the whole simulator state."""
         ...
@@ -48,6 +65,14 @@ class Environment(Protocol):
     def restore(self, state: NDArray[np.float64]) -> Observation:
         """Continue from a `state()` of an episode with the present seed."""
         ...
+
+
+@runtime_checkable
+class Viewable(Protocol):
+    """An environment whose shapes can be shown in 3-D.
+
+    Of one without this pages and films show what its cameras see.
+    """
 
     def scene(self) -> Sequence[SceneGeom]:
         """The visible shapes, constant between resets."""
@@ -64,10 +89,6 @@ class Environment(Protocol):
         """
         ...
 
-    def close(self) -> None:
-        """Free what the simulator and its renderer hold."""
-        ...
-
 
 @runtime_checkable
 class Holds(Protocol):
@@ -82,3 +103,16 @@ class Holds(Protocol):
         Called where a run is cut short, and from another thread where a call hangs.
         """
         ...
+
+
+def require_restorable(environment: Environment, wish: str) -> Restorable:
+    """Return the environment where it is `Restorable`; raises ParameterError where it is not.
+
+    `wish` says what its states are wanted for, such as `displaced states`.
+    """
+    if isinstance(environment, Restorable):
+        return environment
+    raise ParameterError(
+        f"{wish} want an environment that can be restored; {type(environment).__name__} has no "
+        "state() and restore()"
+    )

@@ -175,6 +175,16 @@ class Signal(Protocol):
 
 
 @runtime_checkable
+class HasFloor(Protocol):
+    """A support or a signal, fitted, whose scores do not fall without bound far away."""
+
+    @property
+    def far_score(self) -> float:
+        """The score infinitely far from all training states, below 0."""
+        ...
+
+
+@runtime_checkable
 class Refits(Protocol):
     """A signal with something that can be fitted again on policy and embedding as they are."""
 

@@ -41,13 +41,18 @@ def kept_observation(observation: Any, spec: TaskSpec) -> Observation:
         raise ObservationError(f"wanted finite features, not so: {names}")
     if not isfinite(_real("time_s", observation.time_s)):
         raise ObservationError(f"wanted a finite time, got {observation.time_s}")
-    return Observation(kept, features, observation.time_s)
+    if not isinstance(observation.instruction, str):
+        raise ObservationError(
+            f"instruction: wanted a text, got {type(observation.instruction).__name__}"
+        )
+    return Observation(kept, features, observation.time_s, observation.instruction)
 
 
 def shown_to_policy(observation: Observation) -> Observations:
     """Return a copy of its own: a policy may scribble on it, as torch wants it to be able to."""
-    images = {camera: image[None].copy() for camera, image in observation.images.items()}
-    return Observations(images, observation.features[None].copy())
+    shown = observation.alone
+    images = {camera: image.copy() for camera, image in shown.images.items()}
+    return Observations(images, shown.features.copy(), shown.instructions)
 
 
 def kept_state(state: Any, size: int | None) -> NDArray[np.float64]:

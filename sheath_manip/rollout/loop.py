@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError, UnattendedError
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy
@@ -40,6 +41,7 @@ def rollout(
     hold: Expert | None = None,
     listeners: Sequence[Listener] = (),
     deadline: Deadline | None = None,
+    begins: NDArray[np.float64] | None = None,
 ) -> Episode:
     """Run the episode of `info.seed` to its end.
 
@@ -66,6 +68,7 @@ def rollout(
         hold: leaves the robot where it is; None for a simulation that cannot.
         listeners: follow the episode.
         deadline: of each control step; None: nobody is late, and nothing that hangs is broken off.
+        begins: (s,) a state of that episode, from which it goes on; None: from its start.
 
     Raises ParameterError where the gate wants an actor or a policy that was never there, and
     AttemptError where the episode was cut short.
@@ -83,7 +86,7 @@ def rollout(
     with watched(watch):
         stepping = Stepping(stage, audience, Telling(info))
         try:
-            stepping.begin(info.seed)
+            stepping.begin(info.seed, begins)
             if proposing is not None:
                 # Apart from the gate's draws, which stay what they are whatever the policy draws.
                 proposing.reset(rng.spawn(1)[0])

@@ -5,6 +5,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sheath_manip.protocols import Environment, Expert, Gate, Listener, Policy, Report
 from sheath_manip.rollout.discarding import until_kept
 from sheath_manip.rollout.guard import built
@@ -50,7 +53,7 @@ class TimedDriver:
         return replace(self.driver.crew(task, environment), deadline=self.deadline)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EpisodeRequest:
     """One episode of one task, and what drives it. It can be pickled where its driver can."""
 
@@ -58,6 +61,8 @@ class EpisodeRequest:
     info: EpisodeInfo
     """says which variant of the task; one of its `run_variants` is made for the run"""
     driver: Driver
+    begins: NDArray[np.float64] | None = None
+    """(s,) a state of that episode, from which it goes on, where not from its start"""
 
 
 def run_request(
@@ -87,5 +92,6 @@ def run_request(
         hold=built(HOLD, request.task.make_hold, environment),
         listeners=listeners,
         deadline=crew.deadline,
+        begins=request.begins,
     )
     return until_kept(attempt, request.info, report)

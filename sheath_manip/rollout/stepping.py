@@ -37,9 +37,11 @@ class Stepping:
         self._observation: Observation | None = None
         self._state: NDArray[np.float64] | None = None
 
-    def begin(self, seed: int) -> None:
-        """Start the episode; raises BrokenError, as all here does."""
+    def begin(self, seed: int, state: NDArray[np.float64] | None = None) -> None:
+        """Start the episode, or go on from `state`; raises BrokenError, as all here does."""
         self._observation = self.stage.reset(seed)
+        if state is not None:
+            self._observation = self.stage.restore(state)
 
     @property
     def over(self) -> bool:

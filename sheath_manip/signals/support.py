@@ -11,6 +11,7 @@ from sheath_manip.protocols import (
     Agreement,
     Arrays,
     Embedding,
+    HasFloor,
     PredictingPolicy,
     Reader,
     SupportEstimator,
@@ -67,6 +68,11 @@ class SupportSignal(SingleMeasure):
     def score(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) support scores, positive inside."""
         return self.support.decision_function(self.embedding.transform(seen))
+
+    @property
+    def far_score(self) -> float:
+        """The score infinitely far from all training states; -inf where scores have no floor."""
+        return self.support.far_score if isinstance(self.support, HasFloor) else -np.inf
 
     def arrays(self) -> Arrays:
         """The learned state of both."""

@@ -52,6 +52,11 @@ class AgreeingSupport:
         """(n,) the one-class SVM's scores: positive inside, NaN for rows that are not finite."""
         return self.machine_.decision_function(X)
 
+    @property
+    def far_score(self) -> float:
+        """The one-class SVM's."""
+        return self.machine_.far_score
+
     def arrays(self) -> Arrays:
         """The one-class SVM's."""
         return self.machine_.arrays()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError, UnscoredError
 from sheath_manip.support.config import ThresholdConfig
+from sheath_manip.support.reach import warn_out_of_reach
 
 # One lap calibrates badly (.84-.99 of a new lap inside), three pooled ones well (.94-.96).
 LEAST_EPISODES = 3
@@ -27,7 +28,9 @@ def or_reject_all(threshold: Callable[[], float]) -> float:
         return REJECT_ALL
 
 
-def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: float) -> float:
+def held_out_threshold(
+    scores_by_episode: Sequence[NDArray], false_alarm_rate: float, far_score: float = -np.inf
+) -> float:
     """The threshold below which a new expert step falls at the asked rate.
 
     The `false_alarm_rate`-quantile of the held-out steps' scores with each episode weighted alike,
@@ -45,6 +48,9 @@ def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: f
     Args:
         scores_by_episode: K >= 3 arrays of support scores, (n_k,) each with n_k >= 1.
         false_alarm_rate: between 0 and 1, both excluded.
+        far_score: the score infinitely far from all training states, such as `far_score` of a
+            one-class SVM: with it a GateWarning tells where the threshold lies so low that hardly
+            any state scores below it.
 
     Raises:
         ParameterError: too few episodes or steps for the rate, or a rate outside its range;
@@ -78,6 +84,7 @@ def held_out_threshold(scores_by_episode: Sequence[NDArray], false_alarm_rate: f
             f"rate of {false_alarm_rate}; wanted at least {int(np.ceil(1 / false_alarm_rate))} "
             "with scores"
         )
+    warn_out_of_reach(threshold, far_score, len(episodes))
     return threshold
 
 

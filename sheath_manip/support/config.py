@@ -43,7 +43,7 @@ class ThresholdConfig:
     expert_budget: float = 0.15
     """share of the steps, 0 .. 1, that the rule budget gives to the expert"""
     recalibrate: bool = True
-    """find the threshold again every round, or only in the first (CRSAIL)"""
+    """whether the threshold is found again every round, or the first round's stays (CRSAIL)"""
 
     def __post_init__(self) -> None:
         if self.rule not in RULES:

@@ -11,7 +11,12 @@ from sheath_manip.protocols import Arrays
 from sheath_manip.support.boundary import check_least, check_positive, check_share
 from sheath_manip.support.dual import solve_dual
 from sheath_manip.support.kernel_sum import KernelSum
-from sheath_manip.support.vectors import bandwidth, checked_agreement, checked_training
+from sheath_manip.support.vectors import (
+    LARGEST,
+    bandwidth,
+    checked_agreement,
+    checked_training,
+)
 
 # Of these a fit takes 20 CPU seconds at 64 dimensions and nu = 0.1, and a score, which looks at a
 # share nu of them, 0.2 ms.
@@ -93,6 +98,12 @@ class DualSupport(ABC):
     @abstractmethod
     def decision_function(self, X: NDArray) -> NDArray[np.float64]:
         """(n,) scores: positive inside, NaN for rows that are not finite."""
+
+    @property
+    def far_score(self) -> float:
+        """The score infinitely far from all training states; -inf where no threshold lets it in."""
+        far = np.full((1, len(self.kernel_sum_.center)), LARGEST)
+        return float(self.decision_function(far)[0])
 
     def arrays(self) -> Arrays:
         """Center (d,), vectors less it (m, d), signed weights (m,), rho and c."""

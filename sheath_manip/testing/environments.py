@@ -4,11 +4,11 @@ import pickle
 
 import numpy as np
 
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Restorable, Viewable
 from sheath_manip.task import Task
 from sheath_manip.testing.experts import check_expert
-from sheath_manip.testing.sentences import wants, wants_equal, wants_refusal
-from sheath_manip.types import Observation, Outcome
+from sheath_manip.testing.sentences import wants, wants_a, wants_equal, wants_refusal
+from sheath_manip.types import Observation, Outcome, Transition
 
 STEPS = 6
 
@@ -36,7 +36,10 @@ def check_task(task: Task) -> None:
 
 
 def check_environment(environment: Environment) -> None:
-    """Check an environment: seeded, restorable, and as its spec says."""
+    """Check an environment: seeded and as its spec says; and what it can do beyond that.
+
+    That is to be restored, and to be looked at in 3-D, where it is `Restorable` and `Viewable`.
+    """
     spec = environment.spec
     wants(spec.control_rate_hz > 0 and spec.max_steps > 0, "rate and length must be positive")
     rng = np.random.default_rng(0)
@@ -49,10 +52,10 @@ def check_environment(environment: Environment) -> None:
     ]
 
     def driven() -> list[Observation]:
-        seen = [environment.reset(5)]
+        seen = [wants_a(Observation, environment.reset(5), "reset")]
         for action in actions:
-            transition = environment.step(action)
-            seen.append(transition.observation)
+            transition = wants_a(Transition, environment.step(action), "step")
+            seen.append(wants_a(Observation, transition.observation, "step"))
             if transition.terminated or transition.truncated:
                 break
         return seen
@@ -68,11 +71,22 @@ def check_environment(environment: Environment) -> None:
         )
     wants(isinstance(environment.outcome(), Outcome), "outcome must be an Outcome")
     wants(spec.metric in environment.metrics(), f"metrics lack {spec.metric!r}, the spec's own")
-    state = environment.state()
-    _wants_same(environment.restore(state), first[-1], "restoring a state must show it as it was")
-    wants_equal(environment.state(), state, "restoring a state must leave that state")
+    if isinstance(environment, Viewable):
+        _check_view(environment)
+    if isinstance(environment, Restorable):
+        state = environment.state()
+        seen = environment.restore(state)
+        _wants_same(seen, first[-1], "restoring a state must show it as it was")
+        wants_equal(environment.state(), state, "restoring a state must leave that state")
     for one, again in zip(first, driven(), strict=True):
         _wants_same(again, one, "the same seed and actions must give the same episode to the bit")
+
+
+def _check_view(environment: Viewable) -> None:
+    bodies = environment.pose().bodies
+    wants(bodies.ndim == 2 and bodies.shape[1] == 7, "a pose must have (b, 7) bodies")
+    for geom in environment.scene():
+        wants(geom.body < len(bodies), f"a shape is on body {geom.body}, of {len(bodies)}")
 
 
 def _wants_same(found: Observation, wanted: Observation, sentence: str) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from sheath_manip.protocols import Gate
-from sheath_manip.testing.sentences import wants
+from sheath_manip.testing.sentences import wants, wants_a
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 
@@ -27,6 +27,7 @@ def check_gate(
     gate = make()
     decisions = run(gate)
     for decision in decisions:
+        wants_a(GateDecision, decision, "decide")
         wants(isinstance(decision.actor, Actor), f"{decision.actor!r} is no Actor")
         wants(isinstance(decision.reason, Reason), f"{decision.reason!r} is no Reason")
         wants(isinstance(decision.query, bool), f"query is {decision.query!r}; wanted a bool")

@@ -7,13 +7,14 @@ import numpy as np
 from sheath_manip.protocols import Policy, TrainablePolicy
 from sheath_manip.testing.sentences import (
     wants,
+    wants_a,
     wants_arrays,
     wants_close,
     wants_equal,
     wants_stored_hyperparameters,
 )
 from sheath_manip.testing.states import drawn_states
-from sheath_manip.types import TaskSpec
+from sheath_manip.types import Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
 MakePolicy = Callable[..., Policy]
@@ -44,7 +45,8 @@ def check_policy(make: MakePolicy, spec: TaskSpec, samples: Samples | None = Non
 def _check_driving(policy: Policy, spec: TaskSpec, samples: Samples) -> None:
     def driven(seed: int) -> list[np.ndarray]:
         policy.reset(np.random.default_rng(seed))
-        return [policy.propose(samples.observations.rows(slice(i, i + 1))).now for i in range(5)]
+        alone = [samples.observations.rows(slice(i, i + 1)) for i in range(5)]
+        return [wants_a(Proposal, policy.propose(each), "propose").now for each in alone]
 
     first = driven(0)
     for action in first:
@@ -71,7 +73,7 @@ def _check_trainable(make: MakePolicy, spec: TaskSpec, samples: Samples) -> None
         fresh.fit(samples) is fresh,  # pyright: ignore[reportAttributeAccessIssue]
         "fit must return the policy itself",
     )
-    proposal = policy.predict(samples.observations)
+    proposal = wants_a(Proposal, policy.predict(samples.observations), "predict")
     predicted = proposal.now
     wants(
         predicted.shape == samples.labels.shape,

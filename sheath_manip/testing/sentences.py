@@ -1,7 +1,7 @@
 """What the suites say of a member: a sentence for each thing that the contract wants."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +9,19 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import SheathError
 
 Numbers = NDArray[Any]
+T = TypeVar("T")
 
 
 def wants(holds: bool, sentence: str) -> None:
     """Raise AssertionError with the sentence where it does not hold."""
     if not holds:
         raise AssertionError(sentence)
+
+
+def wants_a(kind: type[T], found: object, what: str) -> T:
+    """Return `found`, which `what` gave and which must be of that kind."""
+    wants(isinstance(found, kind), f"{what} gave a {_kind(found)}; wanted a {kind.__name__}")
+    return found  # pyright: ignore[reportReturnType]
 
 
 def wants_equal(found: Numbers, wanted: Numbers, sentence: str) -> None:

@@ -7,8 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.types.columns import ACTORS
 from sheath_manip.types.episode import Episode
-from sheath_manip.types.step import Observations
+from sheath_manip.types.step import Actor, Observations
+
+EXPERT = ACTORS.index(Actor.EXPERT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +26,16 @@ class Samples:
     """(n, a) the expert's actions; NaN for a state without a label"""
     episodes: NDArray[np.int64]
     """(n,) which episode each state is from, for splits by episode"""
+    steps: NDArray[np.int32] = None  # pyright: ignore[reportAssignmentType]
+    """(n,) the control step of its episode; where nothing is said, counted as they come"""
+    actors: NDArray[np.uint8] = None  # pyright: ignore[reportAssignmentType]
+    """(n,) who acted then, as a place in ACTORS; where nothing is said, the expert"""
+
+    def __post_init__(self) -> None:
+        if self.steps is None:
+            object.__setattr__(self, "steps", _counted(self.episodes))
+        if self.actors is None:
+            object.__setattr__(self, "actors", np.full(len(self.episodes), EXPERT, np.uint8))
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -39,6 +52,8 @@ class Samples:
             self.features[indices],
             self.labels[indices],
             self.episodes[indices],
+            self.steps[indices],
+            self.actors[indices],
         )
 
     @property
@@ -70,6 +85,7 @@ def visited_from(episodes: Iterable[Episode], labelled_only: bool = False) -> Sa
     ]
     cameras = rows[0][1].final_observation.images
     columns = [(number, episode.columns, chosen) for number, episode, chosen in rows]
+    steps = [np.arange(len(each), dtype=np.int32)[chosen] for _, each, chosen in columns]
     return Samples(
         {
             camera: np.concatenate([episode.images(camera)[chosen] for _, episode, chosen in rows])
@@ -78,6 +94,8 @@ def visited_from(episodes: Iterable[Episode], labelled_only: bool = False) -> Sa
         np.concatenate([each.features[chosen] for _, each, chosen in columns]).astype(np.float32),
         np.concatenate([each.labels[chosen] for _, each, chosen in columns]),
         np.concatenate([np.full(len(each), number)[chosen] for number, each, chosen in columns]),
+        np.concatenate(steps),
+        np.concatenate([each.actor[chosen] for _, each, chosen in columns]),
     )
 
 
@@ -94,4 +112,15 @@ def joined(parts: Sequence[Samples]) -> Samples:
         np.concatenate(
             [part.episodes + offset for part, offset in zip(parts, offsets, strict=False)]
         ),
+        np.concatenate([part.steps for part in parts]),
+        np.concatenate([part.actors for part in parts]),
     )
+
+
+def _counted(episodes: NDArray[np.int64]) -> NDArray[np.int32]:
+    """(n,) how many states of the same episode come before."""
+    order = np.argsort(episodes, kind="stable")
+    _, first, counts = np.unique(episodes[order], return_index=True, return_counts=True)
+    steps = np.empty(len(episodes), np.int32)
+    steps[order] = np.arange(len(episodes)) - np.repeat(first, counts)
+    return steps

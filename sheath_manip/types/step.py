@@ -70,6 +70,11 @@ class Reason(StrEnum):
     """the environment broke down: the robot holds, and the run ends"""
     TOO_LATE = "too late"
     """the policy's proposal, or the gate's leave, came after the deadline: the expert acts"""
+    STUCK = "no progress"
+    """the states are familiar, but nothing has moved for a while: the expert shows the way on"""
+    SPARED = "request spared"
+    """the policy might act again, but the next alarm would be one request too many: the expert
+    drives on"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,12 +86,15 @@ class Observation:
     features: NDArray[np.float32]
     """(f,) in the order of `TaskSpec.feature_names`"""
     time_s: float
+    instruction: str = ""
+    """what the robot is told to do, where the task says it in words; one for a whole episode"""
 
     @property
     def alone(self) -> "Observations":
         """The observation as a batch of one."""
         images = {camera: image[None] for camera, image in self.images.items()}
-        return Observations(images, self.features[None])
+        told = (self.instruction,) if self.instruction else None
+        return Observations(images, self.features[None], told)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +105,8 @@ class Observations:
     """(n, h, w, 3) RGB by camera"""
     features: NDArray[np.float32]
     """(n, f)"""
+    instructions: tuple[str, ...] | None = None
+    """n texts, what the robot is told to do in each; None where the task has none"""
 
     def __len__(self) -> int:
         return len(self.features)
@@ -104,7 +114,8 @@ class Observations:
     def rows(self, rows: slice) -> "Observations":
         """Return some of them."""
         images = {camera: images[rows] for camera, images in self.images.items()}
-        return Observations(images, self.features[rows])
+        told = None if self.instructions is None else self.instructions[rows]
+        return Observations(images, self.features[rows], told)
 
 
 @dataclass(frozen=True, eq=False)

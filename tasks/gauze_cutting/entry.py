@@ -1,7 +1,5 @@
 """Gauze cutting as a task: its variants, its expert, a fallback, and how a person guides it."""
 
-from functools import partial
-
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.planar import PlanarHands
 from sheath_manip.task import Task
@@ -13,6 +11,9 @@ from sheath_manip.tasks.gauze_cutting.scene import CALM
 from sheath_manip.tasks.gauze_cutting.steering import HEADING_CHANGE, TOP_SPEED_M_S
 from sheath_manip.tasks.gauze_cutting.task import GauzeTask
 from sheath_manip.tasks.opengl import require_opengl
+from sheath_manip.tasks.robots.described import arm_with_blade
+from sheath_manip.tasks.robots.jaco import JACO_WITH_BLADE
+from sheath_manip.tasks.robots.variants import ArmVariants
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -38,13 +39,18 @@ def teleop(environment: ComposerEnvironment) -> PlanarHands:
 GAUZE_CUTTING = Task(
     name="gauze-cutting",
     summary="guide a blade along the circle printed on a sheet of gauze that moves under it",
-    variants={
-        "default": partial(make, Scenario()),
-        # Every seed is a new scene, so the default's are new ones as well.
-        "final": partial(make, Scenario()),
-        "heading": partial(make, Scenario(steering=HEADING_CHANGE)),
-        "calm": partial(make, Scenario(difficulty=CALM)),
-    },
+    variants=ArmVariants(
+        make,
+        {
+            "default": Scenario(),
+            # Every seed is a new scene, so the default's are new ones as well.
+            "final": Scenario(),
+            "heading": Scenario(steering=HEADING_CHANGE),
+            "calm": Scenario(difficulty=CALM),
+        },
+        {"jaco": JACO_WITH_BLADE},
+        arm_with_blade,
+    ),
     expert=GauzeExpert,
     teleop=teleop,
     require=require_opengl,

@@ -8,6 +8,8 @@ from sheath_manip.tasks.gauze_cutting.geometry import CENTRE_M
 from sheath_manip.tasks.gauze_cutting.scene import DEFAULT, Difficulty
 from sheath_manip.tasks.gauze_cutting.steering import PLANAR_VELOCITY, Steering
 from sheath_manip.tasks.projection import px_of_horizontal_plane
+from sheath_manip.tasks.robots.own_arm import ARM_WITH_BLADE
+from sheath_manip.tasks.robots.robot import RobotDescription
 from sheath_manip.types import FirstView, TaskSpec, ToolFrame
 
 CONTROL_TIMESTEP_S = 0.05
@@ -25,6 +27,7 @@ class Scenario:
 
     difficulty: Difficulty = DEFAULT
     steering: Steering = PLANAR_VELOCITY
+    robot: RobotDescription = ARM_WITH_BLADE
     cameras: tuple[str, ...] = (CAMERA,)
     time_limit_s: float = 15.0
 

@@ -14,7 +14,7 @@ from sheath_manip.tasks.gauze_cutting.bench import BenchArena
 from sheath_manip.tasks.gauze_cutting.drawn import lines_of, surface_of
 from sheath_manip.tasks.gauze_cutting.geometry import CENTRE_M, RADIUS_M
 from sheath_manip.tasks.gauze_cutting.knife import Knife
-from sheath_manip.tasks.gauze_cutting.posing import joints_for, planar_twist
+from sheath_manip.tasks.gauze_cutting.posing import planar_twist
 from sheath_manip.tasks.gauze_cutting.scenario import (
     CAMERA,
     CONTROL_TIMESTEP_S,
@@ -28,8 +28,9 @@ from sheath_manip.tasks.gauze_cutting.workpiece import Workpiece
 from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.tasks.robots.drive import TWIST_SCALE, RobotDrive
 from sheath_manip.tasks.robots.filtering import command_filter
-from sheath_manip.tasks.robots.own_arm import ARM_WITH_BLADE
-from sheath_manip.tasks.robots.robot import Robot, twist_control
+from sheath_manip.tasks.robots.placing import joints_for
+from sheath_manip.tasks.robots.kinematics import twist_control
+from sheath_manip.tasks.robots.robot import Robot
 from sheath_manip.types import Commanded, Line, Outcome, Surface
 
 PHYSICS_TIMESTEP_S = 0.01
@@ -53,16 +54,17 @@ class GauzeTask(SheathTask):
     def __init__(self, scenario: Scenario | None = None) -> None:
         self.scenario = scenario or Scenario()
         self._arena = BenchArena()
-        self.robot = Robot(ARM_WITH_BLADE)
+        robot = self.scenario.robot
+        self.robot = Robot(robot)
         self._arena.attach(self.robot)
         self.drive = RobotDrive(
             self.robot,
             CONTROL_TIMESTEP_S,
-            command_filter(ARM_WITH_BLADE, CONTROL_TIMESTEP_S, box_m=_BOX_M),
+            command_filter(robot, CONTROL_TIMESTEP_S, box_m=_BOX_M),
         )
         # So long a step that no joint is too slow for it: inverse kinematics.
-        self._placing = twist_control(ARM_WITH_BLADE, 1.0)
-        home = np.array(ARM_WITH_BLADE.home_rad)
+        self._placing = twist_control(robot, 1.0)
+        home = np.array(robot.home_rad)
         self._rotation = self.drive.control.transform_tool_to_world(home)[:3, :3]
         middle = CENTRE_M - [0.0, 0.0, DEPTH_M]
         self._over_middle_rad = joints_for(self._placing, home, middle, self._rotation)

@@ -1,7 +1,5 @@
 """Grasping in clutter as a task: variants, expert, fallbacks, and how a person moves the arm."""
 
-from functools import partial
-
 from sheath_manip.controllers.back_up import BackUp
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.controllers.teleop.arm import ArmHands
@@ -13,8 +11,10 @@ from sheath_manip.tasks.grasp_clutter.scene import EASY, MEDIUM
 from sheath_manip.tasks.grasp_clutter.task import CONTROL_TIMESTEP_S, GraspTask, Scenario
 from sheath_manip.tasks.opengl import require_opengl
 from sheath_manip.tasks.robots import fallbacks
+from sheath_manip.tasks.robots.described import arm_with_gripper
 from sheath_manip.tasks.robots.drive import RobotDrive
 from sheath_manip.tasks.robots.jaco import JACO_WITH_JAW
+from sheath_manip.tasks.robots.variants import ArmVariants
 
 
 def make(scenario: Scenario) -> ComposerEnvironment:
@@ -47,14 +47,18 @@ def teleop(environment: ComposerEnvironment) -> ArmHands:
 GRASP_CLUTTER = Task(
     name="grasp-clutter",
     summary="reach through standing clutter, grasp the red target and lift it",
-    variants={
-        "default": partial(make, Scenario()),
-        # Every seed is a new scene, so the default's are new ones as well.
-        "final": partial(make, Scenario()),
-        "medium": partial(make, Scenario(difficulty=MEDIUM)),
-        "easy": partial(make, Scenario(difficulty=EASY)),
-        "jaco": partial(make, Scenario(robot=JACO_WITH_JAW)),
-    },
+    variants=ArmVariants(
+        make,
+        {
+            "default": Scenario(),
+            # Every seed is a new scene, so the default's are new ones as well.
+            "final": Scenario(),
+            "medium": Scenario(difficulty=MEDIUM),
+            "easy": Scenario(difficulty=EASY),
+        },
+        {"jaco": JACO_WITH_JAW},
+        arm_with_gripper,
+    ),
     expert=GraspExpert,
     teleop=teleop,
     require=require_opengl,

@@ -21,10 +21,10 @@ from sheath_manip.tasks.grasp_clutter.room import JawRoom
 TRANSIT_HEIGHT_M = 0.30
 """of the pinch: the finger tips pass 2.5 cm over the tallest clutter"""
 LIFT_HEIGHT_M = 0.15
-_TIP_M = 0.035
-"""from the pinch to the finger tips"""
 _LEAST_ROOM_M = 0.003
 """with less than this around the jaw, however it is turned, there is no safe way in"""
+_DEEP_M = 0.045
+"""of an object between the fingers: with less the gripper has to be placed more exactly"""
 _UPRIGHT_RAD = 0.02
 """up to which an object only rocks on its foot"""
 _GAIN_HZ = 4.0
@@ -56,6 +56,15 @@ class GraspLaw:
 
     room: JawRoom
     closing: ClosingControl
+    tip_m: float
+    """from the pinch to the finger tips"""
+    depth_m: float
+    """how much of the target has room above the pinch"""
+
+    @property
+    def shallow(self) -> float:
+        """Up to 1, by which lengths along the approach count less in a gripper of short fingers."""
+        return min(1.0, (self.tip_m + self.depth_m) / _DEEP_M)
 
     def command(self, state: GraspState) -> GraspCommand:
         """Return what to do in `state`."""
@@ -76,7 +85,7 @@ class GraspLaw:
         arrived = min(
             _ramp(0.010 - fit.along_m, 0.004),
             _ramp(0.014 - fit.across_m, 0.004),
-            _ramp(0.020 - abs(fit.error_m[2]), 0.008),
+            _ramp(0.020 * self.shallow - abs(fit.error_m[2]), 0.008 * self.shallow),
         )
         close = max(arrived, fit.around * _ramp(0.02 - fit.spare_m, 0.01))
         grip = 2 * close - 1
@@ -103,16 +112,16 @@ class GraspLaw:
         return GraspCommand(twist, float(grip), intent, fit.around, arrived)
 
     def _fit(self, state: GraspState) -> _Fit:
-        grasp_m = max(0.045, state.target_height_m - 0.05)
+        grasp_m = max(0.045, state.target_height_m - self.depth_m)
         goal = state.target_base_m + grasp_m * state.target_axis
         error = goal - state.tool_position_m
         way = state.tool_rotation[:2, 1]
         way = way / max(float(np.linalg.norm(way)), 1e-6)
         along = abs(float(way @ error[:2]))
         across = abs(float(way[0] * error[1] - way[1] * error[0]))
-        depth = _TIP_M + state.target_height_m - grasp_m + error[2]
+        depth = self.tip_m + state.target_height_m - grasp_m + error[2]
         room = self.closing.opening_m / 2 - state.target_radius_m
-        entered = _ramp(depth - 0.01, 0.02) * _ramp(room + 0.004 - along, 0.006)
+        entered = _ramp(depth - 0.01 * self.shallow, 0.02 * self.shallow) * _ramp(room + 0.004 - along, 0.006)
         return _Fit(
             error_m=error,
             along_m=along,
@@ -141,7 +150,7 @@ class GraspLaw:
     def _may_open(self, state: GraspState, fit: _Fit) -> bool:
         """Whether opening where the jaw is pushes nothing."""
         position, base = state.tool_position_m, state.target_base_m
-        over = position[2] - _TIP_M > base[2] + state.target_height_m
+        over = position[2] - self.tip_m > base[2] + state.target_height_m
         beside = float(np.linalg.norm(base[:2] - position[:2])) > 0.11
         inside = fit.along_m < (self.closing.opening_m - state.closed_m) / 2
         return (over or beside or inside) and self.room.here(state) > 0.002

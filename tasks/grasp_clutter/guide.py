@@ -15,7 +15,12 @@ from sheath_manip.tasks.grasp_clutter.pool import SLOTS, Pool, add_pool, geom_na
 from sheath_manip.tasks.grasp_clutter.room import JawRoom
 from sheath_manip.tasks.grasp_clutter.scene import Scene
 from sheath_manip.tasks.robots.drive import TWIST_SCALE
-from sheath_manip.tasks.robots.robot import RobotDescription, kinematic_root, twist_control
+from sheath_manip.tasks.robots.kinematics import (
+    kinematic_root,
+    last_joint_along,
+    twist_control,
+)
+from sheath_manip.tasks.robots.robot import RobotDescription
 from sheath_manip.types import Action
 
 _AWAY_M = np.array([0.0, 0.0, -5.0])
@@ -68,8 +73,10 @@ class GraspGuide:
             ],
         )
         self.opening_m = description.opening_m
+        self._last_turns_down = last_joint_along(control, description) > 0
         room = JawRoom(description.footprints, distance_m + _TURNING_M)
-        self._law = GraspLaw(room, ClosingControl(description.opening_m))
+        closing = ClosingControl(description.opening_m)
+        self._law = GraspLaw(room, closing, description.tip_m, description.depth_m)
         self._mocap = [int(control.model.body_mocapid[body]) for body in self._pool.bodies]
         self._scene: Scene | None = None
 
@@ -88,14 +95,12 @@ class GraspGuide:
         tool = control.transform_tool_to_world(situation.joint_targets_rad)
         points, heights = self._outlines.at(situation.positions_m[1:], situation.rotations[1:])
         last = float(situation.joint_targets_rad[-1])
+        turns = last - float(control.upper_rad[-1]), last - float(control.lower_rad[-1])
         state = GraspState(
             tool_position_m=tool[:3, 3],
             tool_rotation=tool[:3, :3],
-            # The last joint turns about the approach, which points down.
-            turn_range_rad=(
-                last - float(control.upper_rad[-1]),
-                last - float(control.lower_rad[-1]),
-            ),
+            # The last joint turns about the approach, which points down, or against it.
+            turn_range_rad=turns if self._last_turns_down else (-turns[1], -turns[0]),
             closed_m=situation.closed_m,
             pressed_m=situation.pressed_m,
             target_base_m=situation.positions_m[0],

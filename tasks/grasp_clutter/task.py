@@ -11,6 +11,7 @@ from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
 from numpy.typing import NDArray
 
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.composer_environment import SheathTask
 from sheath_manip.tasks.grasp_clutter.arena import TableArena
 from sheath_manip.tasks.grasp_clutter.guide import WIDE_M, GraspGuide, Situation
@@ -29,6 +30,7 @@ from sheath_manip.tasks.grasp_clutter.tally import Tally
 from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.tasks.robots.drive import ACTION, RobotDrive
 from sheath_manip.tasks.robots.filtering import command_filter
+from sheath_manip.tasks.robots.motions import said
 from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 from sheath_manip.tasks.robots.robot import Robot, RobotDescription
 from sheath_manip.types import Commanded, FirstView, Outcome, TaskSpec
@@ -43,6 +45,8 @@ LIFTED_STEPS = 10
 """for which the target must be up: half a second"""
 _TABLE_LOWER_M, _TABLE_UPPER_M = np.transpose([TABLE_X_M, TABLE_Y_M])
 _PHYSICS_STEPS = round(CONTROL_TIMESTEP_S / PHYSICS_TIMESTEP_S)
+_MOST_DRAWS = 999
+"""of scenes, until one can be solved"""
 _START_SPREAD_RAD = 0.06
 """of the arm's joints, about where it waits"""
 
@@ -143,12 +147,17 @@ class GraspTask(SheathTask):
         """Draw scenes until one can be solved from where the arm starts."""
         rng = np.random.default_rng(random_state.randint(2**31))
         start = self._start(rng)
-        for self.draws in range(1, 1000):
+        for self.draws in range(1, _MOST_DRAWS + 1):
             scene = draw_scene(rng, self.scenario.difficulty)
             if solvable(self._guide, scene, start):
                 self.lay(physics, scene, start)
                 return
-        raise RuntimeError("no scene of 999 can be solved by this robot")
+        lacks = said(self.scenario.robot)
+        raise ParameterError(
+            f"none of {_MOST_DRAWS} scenes can be solved by this robot{lacks and f'; {lacks}' or ''}; "
+            "wanted one that reaches targets 0.38 to 0.54 m away with its tool down, or the variant "
+            "easy"
+        )
 
     def lay(self, physics: mjcf.Physics, scene: Scene, start_rad: NDArray) -> None:
         """Begin with `scene` and the arm at (j,) `start_rad`; for tests and scripted starts too."""

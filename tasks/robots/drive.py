@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from sheath_manip.controllers.closing_control import ClosingControl
 from sheath_manip.controllers.command_filter import CommandFilter
 from sheath_manip.controllers.twist_control import twist_between
-from sheath_manip.tasks.robots.robot import Robot, twist_control
+from sheath_manip.tasks.robots.kinematics import twist_control
+from sheath_manip.tasks.robots.robot import Robot
 from sheath_manip.types import Action, ActionSpec, Commanded, Limited
 
 TOP_SPEED_M_S = 0.25
@@ -49,6 +50,7 @@ class RobotDrive:
         self._timestep_s = timestep_s
         self.control = twist_control(robot.description, timestep_s)
         self._closing = ClosingControl(robot.description.opening_m)
+        self._coupling = robot.description.coupling
 
     def bind(self, physics: mjcf.Physics) -> None:
         """Take note of where the robot is in a newly compiled model."""
@@ -61,6 +63,7 @@ class RobotDrive:
         self._targets = model.actuator_actadr[self._servos]
         if robot.closing_servo is not None:
             fingers = np.atleast_1d(physics.bind(robot.closing_joints).element_id)
+            self._signs = np.array(robot.description.closing_signs[: len(fingers)])
             self._finger_qpos, self._finger_qvel = (
                 model.jnt_qposadr[fingers],
                 model.jnt_dofadr[fingers],
@@ -80,11 +83,12 @@ class RobotDrive:
 
     def closed_m(self) -> float:
         """Return how far the gripper is closed."""
-        return float(self._data.qpos[self._finger_qpos].sum())
+        coordinate = float((self._signs * self._data.qpos[self._finger_qpos]).sum())
+        return self._coupling.closed_m(coordinate)
 
     def pressed_m(self) -> float:
         """Return how much farther the servo wants to close the gripper."""
-        return float(self._data.act[self._closing_target]) - self.closed_m()
+        return self._target_m() - self.closed_m()
 
     def command(self, action: NDArray) -> None:
         """Set the rates for (7,) `action`."""
@@ -95,16 +99,17 @@ class RobotDrive:
             wanted = self._filtered(action, wanted, self.command_filter)
         data.ctrl[self._servos] = (wanted - data.act[self._targets]) / timestep_s
         if self._robot.closing_servo is not None:
-            now = float(data.act[self._closing_target])
-            wish = self._closing.target_m(now, self.closed_m(), float(action[6]), timestep_s)
-            data.ctrl[self._closing_servo] = (wish - now) / timestep_s
+            now, closed_m = self._target_m(), self.closed_m()
+            wish = self._closing.target_m(now, closed_m, float(action[6]), timestep_s)
+            way = self._coupling.coordinate(wish) - float(data.act[self._closing_target])
+            data.ctrl[self._closing_servo] = way / timestep_s
 
     def rest(self) -> Action:
         """(7,) the action that leaves arm and gripper as they are."""
         action = np.zeros(7, np.float32)
         if self._robot.closing_servo is not None:
             # The target and not the fingers: what is held is pressed on.
-            action[6] = self._closing.holding_grip(float(self._data.act[self._closing_target]))
+            action[6] = self._closing.holding_grip(self._target_m())
         return action
 
     def commanded_tool_pose(self) -> NDArray[np.float64]:
@@ -128,9 +133,10 @@ class RobotDrive:
     def place_gripper(self, closed_m: float) -> None:
         """Close the gripper by that much, at rest and without pressing."""
         data = self._data
-        data.qpos[self._finger_qpos] = closed_m / len(self._finger_qpos)
+        coordinate = self._coupling.coordinate(closed_m)
+        data.qpos[self._finger_qpos] = self._signs * (coordinate / len(self._finger_qpos))
         data.qvel[self._finger_qvel] = data.ctrl[self._closing_servo] = 0.0
-        data.act[self._closing_target] = closed_m
+        data.act[self._closing_target] = coordinate
 
     def memory(self) -> NDArray[np.float64]:
         """Return the (m,) memory of the command filter."""
@@ -140,6 +146,10 @@ class RobotDrive:
         """Take over a `memory()`."""
         if self.command_filter is not None:
             self.command_filter.recall(memory)
+
+    def _target_m(self) -> float:
+        """How far the servo of the gripper wants it closed."""
+        return self._coupling.closed_m(float(self._data.act[self._closing_target]))
 
     def _filtered(
         self, action: NDArray, wanted_rad: NDArray, command_filter: CommandFilter

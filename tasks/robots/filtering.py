@@ -10,7 +10,8 @@ from sheath_manip.controllers.command_filter import CommandFilter
 from sheath_manip.controllers.joint_limits import JointLimits
 from sheath_manip.controllers.speed_cap import Distance, SpeedCap, above
 from sheath_manip.controllers.workspace import Workspace
-from sheath_manip.tasks.robots.robot import RobotDescription, kinematic_root
+from sheath_manip.tasks.robots.kinematics import kinematic_root
+from sheath_manip.tasks.robots.robot import RobotDescription
 
 TABLE_HEIGHT_M = 0.0
 TOOL_LOWER_M = np.array([0.05, -0.6, 0.01])

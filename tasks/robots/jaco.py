@@ -1,5 +1,6 @@
 """Kinova's Jaco as dm_control has it, with the project's own jaw on its wrist."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,8 @@ _TURNS_RAD = 4 * np.pi
 """of joints without a range, whose servos want one"""
 
 
-def build_jaco_with_jaw() -> mjcf.RootElement:
-    """The arm with the parallel jaw; its servos are those of the project's own arm in kind."""
+def jaco_with(tool: Path) -> mjcf.RootElement:
+    """The arm with the tool of that MJCF file; servos are those of the project's own in kind."""
     arm: Any = kinova.JacoArm().mjcf_model
     for element in (*arm.find_all("actuator"), *arm.find_all("sensor")):
         element.remove()
@@ -42,8 +43,18 @@ def build_jaco_with_jaw() -> mjcf.RootElement:
     wrist = arm.find("site", "wristsite").parent
     # Its site points forward along z, the tools' mounts along x.
     turned = wrist.add("site", name="tool_mount", xyaxes=[0, 0, -1, 1, 0, 0], group=4)
-    turned.attach(mjcf.from_path(str(ASSETS / "jaw.xml")))
+    turned.attach(mjcf.from_path(str(tool)))
     return arm
+
+
+def build_jaco_with_jaw() -> mjcf.RootElement:
+    """The arm with the parallel jaw."""
+    return jaco_with(ASSETS / "jaw.xml")
+
+
+def build_jaco_with_blade() -> mjcf.RootElement:
+    """The arm with the needle knife."""
+    return jaco_with(ASSETS / "blade.xml")
 
 
 JACO_WITH_JAW = RobotDescription(
@@ -54,4 +65,14 @@ JACO_WITH_JAW = RobotDescription(
     servos=tuple(_JOINT_SPEEDS_RAD_S),
     body_geoms=(*(f"link_{n}" for n in range(2, 6)), "ring_6", "jaw/palm", *JAW_FINGERS),
     **JAW,
+)
+
+JACO_WITH_BLADE = RobotDescription(
+    build=build_jaco_with_blade,
+    joint_speeds_rad_s=_JOINT_SPEEDS_RAD_S,
+    # The tip at (.42, 0, .20) m, straight down.
+    home_rad=(2.9932, 3.7078, 1.3562, -0.2431, 0.9209, 1.1795),
+    tool_site="blade/tip",
+    servos=tuple(_JOINT_SPEEDS_RAD_S),
+    body_geoms=(*(f"link_{n}" for n in range(2, 6)), "ring_6", "blade/handle", "blade/needle"),
 )

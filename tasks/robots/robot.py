@@ -8,9 +8,9 @@ import numpy as np
 from dm_control import composer, mjcf
 from numpy.typing import NDArray
 
-from sheath_manip.controllers.twist_control import TwistControl
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.assets import assets_of
+from sheath_manip.tasks.robots.gripper import Coupling, Sliding
 
 ASSETS = assets_of("arm")
 
@@ -43,13 +43,23 @@ class RobotDescription:
     closing_servo: str | None = None
     """of a gripper: activation is how far it is to be closed (m)"""
     closing_joints: tuple[str, ...] = ()
-    """whose sum is how far it is closed (m)"""
+    """whose sum tells how far it is closed"""
+    closing_signs: tuple[float, ...] = (1.0, 1.0)
+    """of the joints in that sum"""
+    coupling: Coupling = Sliding()
+    """from that sum to how far it is closed (m)"""
     opening_m: float = 0.0
     """of the gripper at its widest"""
+    tip_m: float = 0.035
+    """how far the finger tips stand out before the tool's site"""
+    depth_m: float = 0.05
+    """how much of an object has room in the gripper behind the tool's site"""
     footprints: tuple[Footprint, ...] = ()
     """what of the tool stands between objects when it points down"""
     body_geoms: tuple[str, ...] = ()
     """that may come near objects, the tool's among them"""
+    drawn_geoms: tuple[str, ...] = ()
+    """that touch nothing: for pictures alone"""
     mirrored_joints: tuple[str, ...] | None = None
     """those that turn the other way when the robot is reflected at its x-z plane; None where that
     makes another robot"""
@@ -84,29 +94,3 @@ class Robot(composer.Entity):
         if element is None:
             raise ParameterError(f"the robot has no {kind} {name!r}")
         return element
-
-
-def kinematic_root(description: RobotDescription) -> mjcf.RootElement:
-    """The arm alone, its tool rigid (a gripper open): for inverse kinematics."""
-    root: Any = description.build()
-    for kind in ("actuator", "tendon", "equality", "contact"):
-        for element in root.find_all(kind):
-            element.remove()
-    for joint in root.find_all("joint"):
-        if joint.full_identifier not in description.joint_speeds_rad_s:
-            joint.remove()
-    return root
-
-
-def twist_control(
-    description: RobotDescription, timestep_s: float, root: mjcf.RootElement | None = None
-) -> TwistControl:
-    """The arm's control by twists of its tool; `root` is a `kinematic_root` with more in it."""
-    root = kinematic_root(description) if root is None else root
-    return TwistControl(
-        mjcf.Physics.from_mjcf_model(root).model.ptr,
-        description.tool_site,
-        description.joint_speeds_rad_s,
-        description.home_rad,
-        timestep_s,
-    )

@@ -2,6 +2,7 @@
 
 import shutil
 import socket
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -137,31 +138,54 @@ def test_unknown_plan_of_a_benchmark_moves_nothing_aside(benchmark, known, compl
 
 
 @pytest.mark.parametrize(
-    "argv",
+    ("argv", "said"),
     [
-        ("data",),
-        ("fly",),
-        ("collect", "corridor"),
-        ("data", "list"),
+        (("colect", "corridor"), "unknown verb 'colect'; known: claims, collect, "),
+        (("colect", "corridor"), "; did you mean collect?"),
+        (("data",), "the line lacks one of list, show, check, export, "),
+        (("data", "lst", "x"), "unknown verb of data 'lst'; known: check, drop, "),
+        (("data", "list"), "the line lacks STORE (see sheath data list --help)"),
+        (("collect", "corridor"), "the line lacks --store PATH (see sheath collect --help)"),
+        (("collect", "corridor", "--episode", 3), "unknown option --episode; did you mean --ep"),
+        (("collect", "corridor", "now", "--store", "x"), "nothing takes the word 'now'; wanted"),
+        (("collect", "corridor", "--store"), "--store came without a value; wanted PATH"),
+        (("--quick",), "unknown option --quick (see sheath --help)"),
+        (("train", "corridor", "--calibration=x"), "the line lacks --store STR and --checkpoint"),
+        (("run", "corridor", "--checkpoint", "y", "--seed=x"), "--seed is 'x'; wanted a whole n"),
+        (("experiment", "corridor", "--seeds", 1, "b"), "--seeds is '1 b'; wanted a whole numb"),
         # A benchmark has no use for these.
-        ("experiment", "gates", "--rounds", 3),
-        ("experiment", "nu", "--dashboard"),
+        (("experiment", "gates", "--rounds", 3), "unknown option --rounds"),
+        (("experiment", "nu", "--dashboard"), "unknown option --dashboard"),
     ],
 )
-def test_line_that_does_not_parse(sheath, argv):
-    code, out, err = sheath(*argv)
+def test_line_that_does_not_parse(complaint, argv, said):
+    assert said in complaint(*argv)
+
+
+def test_value_that_does_not_parse(complaint):
+    line = complaint("collect", "corridor", "--store", "x", "--episodes", "two")
+    wanted = "--episodes is 'two'; wanted a whole number, like 20 (see sheath collect --help)"
+    assert line == f"sheath: {wanted}\n"
+
+
+def test_a_parser_that_does_not_say_why_says_what_it_always_did(sheath, monkeypatch):
+    monkeypatch.setitem(sys.modules, "tyro._errors", None)
+    code, out, err = sheath("collect", "corridor", "--store")
     assert (code, out) == (2, "")
-    assert err
-
-
-def test_value_that_does_not_parse(sheath):
-    assert sheath("collect", "corridor", "--store", "x", "--episodes", "many")[0] == 2
+    assert "Missing value for argument '--store'" in err
 
 
 @pytest.mark.parametrize("verb", ["list", "check"])
 def test_no_store(complaint, tmp_path, verb):
     assert "wanted an episode store" in complaint("data", verb, tmp_path / "none")
     assert "found a directory without" in complaint("data", verb, tmp_path)
+
+
+def test_nothing_to_replay_and_nothing_to_record_into(complaint, made):
+    line = complaint("replay", made / "stor")
+    assert "found nothing; give the directory that holds sheath-store.json; did you" in line
+    assert f"mean {made / 'store'}?" in line
+    assert "record into" not in line
 
 
 def test_foreign_directory_is_left_alone(complaint, tmp_path):
@@ -195,7 +219,10 @@ def _moon() -> Corridor:
 @pytest.mark.parametrize("verb", ["run", "evaluate", "dashboard"])
 def test_wrong_checkpoint(complaint, made, tmp_path, verb):
     argv = (verb, "corridor", "--episodes", 1, "--checkpoint")
-    assert "no checkpoint at" in complaint(*argv, tmp_path / "none.npz")
+    line = complaint(*argv, tmp_path / "none.npz")
+    assert "no checkpoint at" in line
+    assert "`sheath train`" in line
+    assert f"did you mean {made / 'first.npz'}?" in complaint(*argv, made / "frist.npz")
     (tmp_path / "text.npz").write_text("not one")
     assert "cannot be read as a checkpoint" in complaint(*argv, tmp_path / "text.npz")
     older = with_header(made / "first.npz", tmp_path / "older.npz", schema=0)

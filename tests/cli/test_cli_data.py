@@ -104,6 +104,7 @@ class TestLook:
         assert "wanted an episode store" in complaint("data", verb, tmp_path)
 
 
+SETS = Path(__file__).parents[1] / "dataset" / "exchange" / "sets"
 EXPORTS = {
     "demos.zarr": "replay-buffer",
     "demos.zarr.zip": "replay-buffer",
@@ -121,8 +122,6 @@ class TestExchange:
         assert [path.name for path in Path("out").iterdir()] == [target]
         again = complaint("data", "export", store, f"out/{target}", *form)
         assert "exists, and it is kept" in again
-        if form[1] == "minari":
-            return
         code, out, _ = sheath("data", "import", f"out/{target}", "back", *form)
         assert (code, out) == (0, "3 episodes added to back, 0 were there before\n")
         back, there = EpisodeStore("back"), EpisodeStore(store)
@@ -179,7 +178,20 @@ class TestExchange:
         assert sheath(*file, *told, *keys, "--method", "zeros")[0] == 0
         assert len(names(Path("store"))) == 4
 
-    @pytest.mark.parametrize("form", ["replay-buffer", "robomimic"])
+    def test_import_of_what_lerobot_wrote(self, sheath, complaint, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        file = ("data", "import", SETS / "lerobot-v3.0", "store", "--format", "lerobot")
+        assert "does not tell one task; give --task" in complaint(*file)
+        code, out, err = sheath(*file, "--task", "cubes", "--outcome", "failure")
+        assert (code, err) == (0, "")
+        lines = " ".join(out.split())
+        assert "3 episodes added to store" in lines
+        assert "taken: action=action reward=next.reward features=observation.state" in lines
+        assert "not taken: next.success" in lines
+        assert "3 failure (100%)" in sheath("data", "list", "store")[1]
+        assert "wanted an HDF5 file" in complaint(*file[:-1], "robomimic")
+
+    @pytest.mark.parametrize("form", ["replay-buffer", "robomimic", "lerobot", "minari"])
     def test_import_of_no_file(self, complaint, tmp_path, form):
         (tmp_path / "text").write_text("mine")
         for file in ("none", "text"):

@@ -12,7 +12,7 @@ from sheath_manip.policies import POLICIES, make_policy
 from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.types import ActionSpec, TaskSpec
 from sheath_manip.types.samples import Samples
-from tests import blobs, buttons, line, reach
+from tests import blobs, buttons, line, reach, servo
 
 # Others are fitted in one stroke.
 EPOCHS = {"epochs": 2}
@@ -22,10 +22,12 @@ QUICK = {
     "plain-cnn": EPOCHS,
     "paper-cnn": EPOCHS,
     "spatial-cnn": reach.SETTINGS | STEPS,
+    "mlp": servo.SETTINGS | STEPS,
+    "act": reach.ACT_SETTINGS | STEPS,
     "egocentric-cnn": {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
 }
 OF_FEATURES = ("linear-svm", "linear-svm-paper", "smile")
-CONTINUOUS = ("spatial-cnn", "egocentric-cnn")
+CONTINUOUS = ("spatial-cnn", "act", "egocentric-cnn", "mlp")
 every_policy = pytest.mark.parametrize("name", sorted(POLICIES))
 every_classifier = pytest.mark.parametrize("name", sorted(set(POLICIES) - set(CONTINUOUS)))
 every_regressor = pytest.mark.parametrize("name", CONTINUOUS)
@@ -92,10 +94,21 @@ FOLLOWED = Toy(
     "2 features",
 )
 
+SERVOED = Toy(
+    servo.SPEC,
+    servo.servo_samples,
+    np.zeros(2),
+    {"feature_names": ()},
+    "no features",
+    {"feature_names": servo.SPEC.feature_names[:1]},
+    "1 features",
+)
+REGRESSED = {"spatial-cnn": REACHED, "act": REACHED, "egocentric-cnn": FOLLOWED, "mlp": SERVOED}
+
 
 def toy(name: str) -> Toy:
     if name in CONTINUOUS:
-        return REACHED if name == "spatial-cnn" else FOLLOWED
+        return REGRESSED[name]
     return PRESSED if name in OF_FEATURES else SEEN
 
 
@@ -107,8 +120,10 @@ def held_out(name: str) -> Samples:
 @cache
 def fitted_policy(name: str) -> TrainablePolicy:
     """Fitted once for all tests, which must not fit it again."""
+    if name == "mlp":
+        return servo.fitted_policy()
     if name in CONTINUOUS:
-        return (reach if name == "spatial-cnn" else line).fitted_policy(name)
+        return (line if name == "egocentric-cnn" else reach).fitted_policy(name)
     if name not in OF_FEATURES:
         return blobs.fitted_policy(name)
     return make_policy(name, buttons.SPEC).fit(buttons.training())
@@ -120,7 +135,12 @@ def quick(name: str) -> dict[str, Any]:
 
 def shape(name: str) -> dict[str, Any]:
     """What a policy must be given to take over what `fitted_policy` learned."""
-    return {"spatial-cnn": reach.SETTINGS, "egocentric-cnn": line.SETTINGS}.get(name, {})
+    return {
+        "spatial-cnn": reach.SETTINGS,
+        "egocentric-cnn": line.SETTINGS,
+        "mlp": servo.SETTINGS,
+        "act": reach.ACT_SETTINGS,
+    }.get(name, {})
 
 
 def predicted_by(policy: TrainablePolicy, samples: Samples) -> np.ndarray:

@@ -10,8 +10,11 @@ from sklearn.metrics import roc_auc_score
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.policies import (
     EMBEDDINGS,
+    ENCODER_EMBEDDINGS,
     FEATURE_EMBEDDINGS,
     IMAGE_EMBEDDINGS,
+    LATENT_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
     embeddings_like,
@@ -20,11 +23,11 @@ from sheath_manip.policies import (
 )
 from sheath_manip.policies.looking import look
 from sheath_manip.policies.spatial_embeddings import CameraConvolutions
-from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy, TrainablePolicy
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.types.samples import Samples
-from tests import buttons, line, reach
-from tests.blobs import fitted_policy, held_out, training
+from tests import buttons, line, reach, servo
+from tests.blobs import fitted_policy, held_out, hidden_layer, training
 from tests.looks import fitted_embedding, vectors_of
 
 SPATIAL = (
@@ -42,14 +45,18 @@ def linear_policy() -> TrainablePolicy:
     return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(buttons.training())
 
 
-def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples, Samples]:
+def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples, Samples]:
     """What an embedding of that name looks through, is fitted to and is judged on."""
     if name in FEATURE_EMBEDDINGS:
         return linear_policy(), buttons.training(), buttons.held_out()
+    if name in MEASURED_EMBEDDINGS:
+        return servo.fitted_policy(), servo.training(), servo.held_out()
     if name in SPATIAL_EMBEDDINGS:
         return reach.fitted_policy(), reach.training(), reach.held_out()
     if name in TOOL_EMBEDDINGS:
         return line.fitted_policy(), line.training(), line.held_out()
+    if name in LATENT_EMBEDDINGS | ENCODER_EMBEDDINGS:
+        return hidden_layer(), training(), held_out()
     return fitted_policy("cnn"), training(), held_out()
 
 
@@ -166,7 +173,10 @@ def test_only_an_egocentric_policy_sees_from_the_tool(name):
 
 def test_a_camera_that_is_not_there_is_named():
     embedding = CameraConvolutions(cameras=("elbow",))
-    with pytest.raises(ParameterError, match="no camera 'elbow'; it has above, wrist"):
+    with pytest.raises(
+        ParameterError,
+        match=r"no camera 'elbow' .* there is above,wrist; ",
+    ):
         embedding.attach(reach.fitted_policy())
 
 
@@ -182,7 +192,7 @@ def test_convolutions_are_asked_for_in_one_line(name):
         fitted_embedding(make_embedding(name), fitted_policy("hog-svm"), training())
     assert "\n" not in str(caught.value)
     if name != "penultimate":  # a signal's latent is no embedding, so that one suggests none
-        assert "'features' where there is no camera: --gate.embedding" in str(caught.value)
+        assert "'scaled-features' where there is no camera: --gate.embedding" in str(caught.value)
 
 
 def test_pixels_need_no_convolutions():
@@ -220,7 +230,17 @@ def test_embeddings_of_features_keep_out_of_a_comparison_of_images():
     assert embeddings_like("features") == list(FEATURE_EMBEDDINGS)
     assert embeddings_like("image-points") == list(SPATIAL_EMBEDDINGS)
     assert embeddings_like("tool-points") == list(TOOL_EMBEDDINGS)
-    tables = (IMAGE_EMBEDDINGS, SPATIAL_EMBEDDINGS, TOOL_EMBEDDINGS, FEATURE_EMBEDDINGS)
+    assert embeddings_like("latent") == list(LATENT_EMBEDDINGS)
+    assert embeddings_like("scaled-features") == list(MEASURED_EMBEDDINGS)
+    tables = (
+        IMAGE_EMBEDDINGS,
+        SPATIAL_EMBEDDINGS,
+        TOOL_EMBEDDINGS,
+        FEATURE_EMBEDDINGS,
+        MEASURED_EMBEDDINGS,
+        LATENT_EMBEDDINGS,
+        ENCODER_EMBEDDINGS,
+    )
     assert list(EMBEDDINGS) == [name for table in tables for name in table]
 
 

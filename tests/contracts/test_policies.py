@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from sheath_manip.policies.looking import look
+from sheath_manip.protocols import Replans
 from tests.contracts.policy_toys import (
     CONTINUOUS,
     every_classifier,
@@ -48,6 +49,8 @@ def test_proposes_in_one_state_what_it_predicts_among_many(name):
     policy.reset(np.random.default_rng(0))
     for index in range(10):
         alone = samples.observations.rows(slice(index, index + 1))
+        if isinstance(policy, Replans):
+            policy.replan()
         proposal = policy.propose(alone)
         assert proposal.now.shape == (1, len(action.names))
         # A batch may be summed in another order than a single state.

@@ -11,7 +11,10 @@ from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.making import GATES, make_gate
 from sheath_manip.policies import (
     EMBEDDINGS,
+    ENCODER_EMBEDDINGS,
     FEATURE_EMBEDDINGS,
+    LATENT_EMBEDDINGS,
+    MEASURED_EMBEDDINGS,
     POLICIES,
     SPATIAL_EMBEDDINGS,
     TOOL_EMBEDDINGS,
@@ -19,7 +22,7 @@ from sheath_manip.policies import (
     make_policy,
 )
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import TrainablePolicy
+from sheath_manip.protocols import PredictingPolicy
 from sheath_manip.signals import SIGNALS, make_signal
 from sheath_manip.support import SUPPORTS, make_support
 from sheath_manip.testing import (
@@ -33,7 +36,7 @@ from sheath_manip.testing import (
 )
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 from sheath_manip.types.samples import Samples
-from tests import blobs, buttons, line, reach
+from tests import blobs, buttons, line, reach, servo
 from tests.toy import CORRIDOR
 
 EPOCHS = {"epochs": 1}
@@ -43,6 +46,8 @@ SETTINGS = {
     "plain-cnn": EPOCHS,
     "paper-cnn": EPOCHS,
     "spatial-cnn": reach.SETTINGS | STEPS,
+    "mlp": STEPS,
+    "act": reach.ACT_SETTINGS | STEPS,
     "egocentric-cnn": line.SETTINGS
     | {"spatial_settings": line.SETTINGS["spatial_settings"] | STEPS},
 }
@@ -53,18 +58,28 @@ QUICK_SUPPORTS = {"reconstruction": 20, "distillation": 20, "disagreement": 10}
 def spec_for(name: str):
     if name in OF_FEATURES:
         return buttons.SPEC
-    return {"spatial-cnn": reach.SPEC, "egocentric-cnn": line.SPEC}.get(name, blobs.SPEC)
+    of_continuous = {
+        "spatial-cnn": reach.SPEC,
+        "act": reach.SPEC,
+        "egocentric-cnn": line.SPEC,
+        "mlp": servo.SPEC,
+    }
+    return of_continuous.get(name, blobs.SPEC)
 
 
-def policy_and_states(name: str) -> tuple[TrainablePolicy, Samples]:
+def policy_and_states(name: str) -> tuple[PredictingPolicy, Samples]:
     """Return what an embedding of that name looks through, and states that it is fitted to."""
     if name in FEATURE_EMBEDDINGS:
         states = buttons.training().take(np.arange(100))
         return make_policy("linear-svm", buttons.SPEC, penalty=0.1).fit(states), states
+    if name in MEASURED_EMBEDDINGS:
+        return servo.fitted_policy(), servo.training().take(np.arange(100))
     if name in SPATIAL_EMBEDDINGS:
         return reach.fitted_policy(), reach.training().take(np.arange(100))
     if name in TOOL_EMBEDDINGS:
         return line.fitted_policy(), line.training().take(np.arange(100))
+    if name in LATENT_EMBEDDINGS | ENCODER_EMBEDDINGS:
+        return blobs.hidden_layer(), blobs.training().take(np.arange(100))
     return blobs.fitted_policy("cnn"), blobs.training().take(np.arange(100))
 
 

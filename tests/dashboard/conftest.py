@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Restorable
 from sheath_manip.types import (
     ActionSpec,
     Actor,
@@ -184,6 +184,7 @@ def play(
     dashboard: Dashboard, environment: Environment, episode: Episode, speed: float = np.inf
 ) -> None:
     """Tell the page of a recorded episode as if it ran now, `speed` times as fast as it did."""
+    assert isinstance(environment, Restorable)
     environment.reset(episode.info.seed)
     dashboard.on_start(environment, episode.info)
     states_after = [step.state for step in episode.steps[1:]] + [episode.final_state]

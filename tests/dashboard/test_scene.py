@@ -4,7 +4,7 @@ from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.camera import FIELD_OF_VIEW_RAD
 from sheath_manip.dashboard.scene import SceneView
 from sheath_manip.dashboard.widget import WidgetContext
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Viewable
 from tests.dashboard.conftest import SPEC
 
 
@@ -13,10 +13,9 @@ def desk_of(dashboard: Dashboard) -> WidgetContext:
 
 
 def test_camera_sees_all_that_stands_on_the_ground(
-    dashboard: Dashboard, environment: Environment
+    dashboard: Dashboard, environment: Viewable
 ) -> None:
     server = dashboard._server.viser
-    environment.reset(0)
     pose = environment.pose()
     SceneView(desk_of(dashboard)).build(environment.scene(), pose)
     camera = server.initial_camera
@@ -31,7 +30,7 @@ def test_camera_sees_all_that_stands_on_the_ground(
     assert np.linalg.norm(camera.look_at - camera.position) < 80
 
 
-def test_camera_is_aimed_once(dashboard: Dashboard, environment: Environment) -> None:
+def test_camera_is_aimed_once(dashboard: Dashboard, environment: Viewable) -> None:
     view = SceneView(desk_of(dashboard))
     view.build(environment.scene(), environment.pose())
     aimed = dashboard._server.viser.initial_camera.position

@@ -6,7 +6,7 @@ from sheath_manip.dashboard.scene import capsule
 from sheath_manip.dashboard.support_picture import Ground, SupportPicture, Track, ground_of
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.playback import palette
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Viewable
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
 from sheath_manip.types import Actor
 
@@ -57,7 +57,7 @@ def test_levels_refuse_what_has_no_support(positions: NDArray) -> None:
         plane_levels(positions)
 
 
-def test_ground_lies_where_the_scene_puts_it(environment: Environment) -> None:
+def test_ground_lies_where_the_scene_puts_it(environment: Viewable) -> None:
     ground = ground_of(environment.scene(), environment.pose())
     assert ground is not None
     picture = SupportPicture(ground, np.zeros((0, 2)), None).draw(Track(np.zeros((0, 2)), ()))

@@ -62,6 +62,8 @@ def episodes(draw: st.DrawFn) -> Episode:
         ),
         arrays(np.float32, features, elements=st.floats(width=32)),
         any_float,
+        # One for the whole episode.
+        st.just(draw(st.just("") | any_text)),
     )
     state = arrays(np.float64, states, elements=any_float)
     decision = st.builds(

@@ -16,7 +16,8 @@ from tests.episodes import INFO, episode_of
 
 def same(a: Samples, b: Samples) -> bool:
     def arrays(samples: Samples):
-        return {**samples.images, "f": samples.features, "l": samples.labels, "e": samples.episodes}
+        columns = (samples.labels, samples.episodes, samples.steps, samples.actors)
+        return {**samples.images, "f": samples.features, **dict(enumerate(columns))}
 
     ours, theirs = arrays(a), arrays(b)
     return ours.keys() == theirs.keys() and all(

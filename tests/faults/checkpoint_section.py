@@ -1,4 +1,7 @@
-"""Spoiled checkpoints: each is refused in one line that names it, or drives as the sound one."""
+"""Spoiled checkpoints: each is refused in one line that names it, or drives as the sound one.
+
+The last kind is the file of a gate alone, whose policy is kept elsewhere.
+"""
 
 import tempfile
 import time
@@ -11,10 +14,14 @@ from zlib import crc32
 
 import numpy as np
 
+from sheath_manip.dataset.compatibility import RecordedSpec
 from sheath_manip.exceptions import CheckpointError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.external import External
+from sheath_manip.learning.gate_file import ExternalGate, load_gate
+from sheath_manip.learning.loop_gate import LoopGate
 from sheath_manip.policies import make_policy
 from sheath_manip.signals import make_signal
 from sheath_manip.support.config import SupportConfig
@@ -47,6 +54,8 @@ KINDS = (
     Kind("cnn", {"channels": (4,), "hidden": (8,), "epochs": 1}, "support", "pooled-convolutions"),
     Kind("hog-svm", {"side": 24, "cell": 8}, "trust", "pixels"),
 )
+ALONE = len(KINDS)
+"""the number of the kind that is a gate alone"""
 CHOICES = np.array([[0, 0], [1, 0], [0, 1]], np.float32)
 ACTION = ActionSpec(("left", "right"), CHOICES[0], np.ones(2, np.float32), CHOICES)
 SPEC = TaskSpec("spoiled", 10.0, ACTION, {"top": (SIDE_PX, SIDE_PX)}, ("a", "b", "c"), 100, "steps")
@@ -77,26 +86,51 @@ def checkpoint(kind: int) -> Checkpoint:
     return Checkpoint(SPEC.name, chosen.policy, policy, fitted, "sheath", 1, 0, 0.5)
 
 
-def says(held: Checkpoint) -> list[object]:
+@cache
+def gate_alone() -> ExternalGate:
+    """That of the first kind, whose policy is not saved along."""
+    external = External("mine.py:act", "runs/demos", RecordedSpec.of_task(SPEC))
+    return ExternalGate(checkpoint(0).fitted, external)
+
+
+def saved(kind: int, path: Path) -> Path:
+    return (gate_alone() if kind == ALONE else checkpoint(kind)).save(path)
+
+
+def loaded(kind: int, path: Path) -> Checkpoint | LoopGate:
+    return load_gate(path, checkpoint(0).policy) if kind == ALONE else load_checkpoint(path, SPEC)
+
+
+def says(held: Checkpoint | LoopGate) -> list[object]:
     """All that decides who acts and how, in a few states."""
     seen = samples(5, 2)
     fitted = held.fitted
+    if isinstance(held, LoopGate):
+        spec = RecordedSpec.of_task(held.spec)
+        settings = (fitted.config, fitted.threshold, fitted.release_margin, fitted.sources)
+        return [spec, settings, fitted.scores(seen).tobytes()]
     facts = replace(held, policy=None, fitted=None, remark="", training_loss=0.0)  # pyright: ignore
     settings = (fitted.config, fitted.threshold, fitted.release_margin, fitted.sources)
     actions = held.policy.predict(seen.observations).actions
     return [vars(facts), settings, actions.tobytes(), fitted.scores(seen).tobytes()]
 
 
+@cache
+def sound(kind: int) -> list[object]:
+    """What a file that nobody has touched says."""
+    with tempfile.TemporaryDirectory() as folder:
+        return says(loaded(kind, saved(kind, Path(folder) / "sound.npz")))
+
+
 def verdict(folder: Path, way: str, spoil: Spoil, number: int) -> Verdict:
     """Spoil a file, read it, and see what came of it."""
     rng = np.random.default_rng([number, crc32(way.encode())])
-    kind = int(rng.integers(len(KINDS)))
-    path = checkpoint(kind).save(folder / f"{number}.npz")
+    kind = int(rng.integers(len(KINDS) + 1))
+    path = saved(kind, folder / f"{number}.npz")
     spoil(path, rng)
     began_s = time.monotonic()
     try:
-        loaded = load_checkpoint(path, SPEC)
-        same = says(loaded) == says(checkpoint(kind))
+        same = says(loaded(kind, path)) == sound(kind)
         survived, came = same, "the same" if same else "silently another"
     except CheckpointError as error:
         line = str(error)

@@ -163,8 +163,8 @@ WRONG = (
 def header_values(path: Path, rng: Rng) -> None:
     header, arrays = read_arrays(path)
     places = [(header, name) for name in header if name != "digest"]
-    for name in ("policy", "gate", "sources"):
-        places += [(header[name], inner) for inner in header[name]]
+    for name in ("policy", "gate", "sources", "external"):
+        places += [(header[name], inner) for inner in header.get(name, ())]
     for name in ("support", "threshold"):
         places += [(header["gate"][name], inner) for inner in header["gate"][name]]
     where, name = one_of(rng, places)

@@ -1,6 +1,7 @@
 """Spoiled and harmful files of other tools: taken in as they are, or refused in one line, whole."""
 
 import atexit
+import io
 import shutil
 import tempfile
 import time
@@ -14,6 +15,7 @@ import h5py
 import numpy as np
 import zarr
 from numcodecs import BZ2, LZMA, Blosc, GZip, Zlib, Zstd
+from PIL import Image
 
 from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.formats import open_file
@@ -27,6 +29,8 @@ from sheath_manip.types import EpisodeInfo, Outcome, Purpose
 from tests.faults.counting import Count, Verdict, counted
 from tests.faults.exchange_ways import ANY, FOLDER, SECRET, Spoil, zip_members
 from tests.faults.hdf5_ways import HDF5
+from tests.faults.lerobot_ways import LEROBOT
+from tests.faults.minari_ways import MINARI, ZARR_3
 from tools.identical import identical
 from tools.synthetic import synthetic_episode, synthetic_info
 
@@ -41,7 +45,11 @@ HIDDEN = np.float32(777.25)
 KEYS = {
     "replay-buffer": ("images/top=img", "features=pos,vel", "reward=reward"),
     "robomimic": ("images/top=obs/img", "features=obs/pos"),
+    "lerobot": (),
+    "minari": (),
 }
+SETS = Path(__file__).parents[1] / "dataset" / "exchange" / "sets"
+OWN = {"replay-buffer": FOLDER, "robomimic": HDF5, "lerobot": LEROBOT, "minari": MINARI}
 INFO = EpisodeInfo("push", 0, Purpose.DEMONSTRATION, 10.0, method="other", variant="")
 FILES = {
     "ours.zarr": "replay-buffer",
@@ -50,6 +58,11 @@ FILES = {
     "theirs.zarr": "replay-buffer",
     "theirs.zarr.zip": "replay-buffer",
     "theirs.hdf5": "robomimic",
+    "theirs-3.zarr": "replay-buffer",
+    "theirs-lerobot-v2.1": "lerobot",
+    "theirs-lerobot-v3.0": "lerobot",
+    "theirs-minari": "minari",
+    "ours-minari": "minari",
 }
 
 
@@ -73,7 +86,7 @@ def sound() -> Path:
     store = EpisodeStore.create(folder / "store")
     for index in range(2):
         store.append(synthetic_episode(synthetic_info(3, index), length=5, pixels=4))
-    for name in ("ours.zarr", "ours.zarr.zip", "ours.hdf5"):
+    for name in (name for name in FILES if name.startswith("ours")):
         export(store, folder / name, FILES[name], Selection())
     root = zarr.create_group(folder / "theirs.zarr", zarr_format=2)
     codecs = (Blosc(), GZip(), BZ2(), LZMA(), Zlib(), Zstd())
@@ -95,12 +108,39 @@ def sound() -> Path:
             demo.create_dataset("obs/img", data=values["img"], **options)
             demo.create_dataset("obs/pos", data=values["pos"], compression="lzf")
             demo["next_obs/pos"] = values["pos"] + 1
+    newer = zarr.create_group(folder / "theirs-3.zarr", zarr_format=3)
+    for name, values in arrays().items():
+        newer.create_array(f"data/{name}", data=values, chunks=(3, *values.shape[1:]))
+    newer.create_array("meta/episode_ends", data=np.cumsum(LENGTHS))
+    for version in ("v2.1", "v3.0"):
+        shutil.copytree(SETS / f"lerobot-{version}", folder / f"theirs-lerobot-{version}")
+    write_minari(folder / "theirs-minari" / "data")
     np.full(10_000, HIDDEN).tofile(folder / SECRET)
     with h5py.File(folder / "other.hdf5", "w") as file:
         file["x"] = np.full((6, 3), HIDDEN)
     for name in FILES:
         taken_in(folder / name, folder / f"from-{name}")
     return folder
+
+
+def write_minari(data: Path) -> None:
+    """Two episodes as Minari keeps them, a camera's images as JPEGs."""
+    data.mkdir(parents=True)
+    (data / "metadata.json").write_text('{"dataset_id": "x-v0", "data_format": "hdf5"}')
+    with h5py.File(data / "main_data.hdf5", "w") as file:
+        for number, (start, stop) in enumerate(((0, 4), (4, 10))):
+            values = {name: array[start:stop] for name, array in arrays().items()}
+            group, length = file.create_group(f"episode_{number}"), stop - start
+            group["actions"], group["rewards"] = values["action"], values["reward"]
+            group["terminations"] = group["truncations"] = np.arange(length) == length - 1
+            group["infos/success"] = np.ones(length, bool)
+            group["observations/pos"] = np.zeros((length + 1, 3), np.float32)
+            kind = h5py.vlen_dtype(np.uint8)
+            images = group.create_dataset("observations/camera", (length + 1,), kind)
+            for t in range(length + 1):
+                out = io.BytesIO()
+                Image.fromarray(values["img"][min(t, length - 1)]).save(out, "JPEG")
+                images[t] = np.frombuffer(out.getvalue(), np.uint8)
 
 
 def taken_in(path: Path, store: Path) -> Imported:
@@ -155,15 +195,16 @@ def ways(name: str) -> Mapping[str, Spoil]:
     """Return the ways to spoil that file."""
     if name.endswith(".zip"):
         return {**ANY, "members of the archive": zip_members}
-    return {**ANY, **(HDF5 if name.endswith(".hdf5") else FOLDER)}
+    return {**ANY, **OWN[FILES[name]], **(ZARR_3 if name.endswith("3.zarr") else {})}
 
 
 def verdicts(of_each: int) -> Iterator[Verdict]:
     """Spoil so many files of each kind in each way."""
     for name in FILES:
         for way, spoil in ways(name).items():
-            # A single file that is missing is no case.
-            if way == "files missing" and not name.endswith(".zarr"):
+            # A single file that is missing is no case, and zarr's format 3 has no .zarray.
+            single = way == "files missing" and name.endswith((".zip", ".hdf5"))
+            if single or (name.endswith("3.zarr") and way in FOLDER):
                 continue
             for number in range(of_each):
                 yield verdict(name, way, spoil, number)

@@ -202,6 +202,27 @@ def links(path: Path, rng: Rng) -> None:
         chunk.parent.symlink_to(moved)
 
 
+def links_among(*patterns: str) -> Spoil:
+    """A file of those that a pattern names is a link, a pipe, or a device."""
+
+    def spoil(path: Path, rng: Rng) -> None:
+        file = one_of(rng, sorted(each for pattern in patterns for each in path.glob(pattern)))
+        if file.is_dir():
+            file = file / "link"
+        file.unlink(missing_ok=True)
+        kind = int(rng.integers(4))
+        if kind == 0:
+            file.symlink_to(path.parent / SECRET)
+        elif kind == 1:
+            os.mkfifo(file)
+        elif kind == 2:
+            file.symlink_to(file)
+        else:
+            file.symlink_to("/dev/zero")
+
+    return spoil
+
+
 def chunk_bombs(path: Path, rng: Rng) -> None:
     """A chunk, or a whole array, is far larger than the disk says."""
     chunk = one_of(rng, chunks(path))

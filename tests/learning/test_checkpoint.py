@@ -225,7 +225,7 @@ def test_missing_foreign_and_pickled_files(tmp_path):
         ({"format": "another"}, "is no checkpoint"),
         ({"schema": 99}, "has schema 99"),
         ({"task": "grasp"}, "trained on task 'grasp'"),
-        ({"policy": {"name": "mlp", "hyper": {}}}, "unknown policy 'mlp'"),
+        ({"policy": {"name": "oracle", "hyper": {}}}, "unknown policy 'oracle'"),
         ({"gate": GATE | {"embedding": "clip"}}, "unknown embedding 'clip'"),
         ({"gate": GATE | {"support": {"name": "knn"}}}, "unknown support estimator 'knn'"),
         ({"gate": GATE | {"support": {"mu": 1}}}, "is no config of a gate"),

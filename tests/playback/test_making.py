@@ -18,6 +18,7 @@ from sheath_manip.exceptions import ParameterError, StoreError, UnknownNameError
 from sheath_manip.playback.film import film_of
 from sheath_manip.playback.making import FilmMaker, exported
 from sheath_manip.playback.page import html
+from sheath_manip.protocols import Restorable, Viewable
 from sheath_manip.tasks.platformer.entry import PLATFORMER
 from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose, SceneGeom
 from tests.dashboard.conftest import RingRoad, drive
@@ -29,6 +30,8 @@ STEPS = 25
 def recorded(run_seed: int) -> tuple[Episode, Sequence[SceneGeom]]:
     """The first steps on the stage of that training run, and what was to be seen there."""
     environment = PLATFORMER.make_for_run("stage", run_seed)
+    assert isinstance(environment, Restorable)
+    assert isinstance(environment, Viewable)
     info = EpisodeInfo("platformer", 3, Purpose.DEMONSTRATION, 24.0, run_seed=run_seed)
     try:
         observation = environment.reset(info.seed)

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from sheath_manip.exceptions import GateWarning
 from sheath_manip.gates import AlwaysExpert
 from sheath_manip.gates.config import planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
@@ -56,9 +57,11 @@ class Drive:
         self.held_out = [samples_from([lap]) for lap in laps[DEMONSTRATIONS:]]
         self.policy = ConvPolicy(self.task.spec, (8, 16), (32,), epochs=8, seed=0)
         self.policy.fit(self.states)
-        fit = fit_gate(
-            self.policy, self.states, self.held_out, PLAN.gate, sources=Sources(("lap",), ())
-        )
+        # Three laps leave so many directions open that new ones lie nearly as far as anything.
+        with pytest.warns(GateWarning, match="may never take over"):
+            fit = fit_gate(
+                self.policy, self.states, self.held_out, PLAN.gate, sources=Sources(("lap",), ())
+            )
         self.fitted = fit.gate
 
     def lap(self, gate, seed: int) -> Episode:

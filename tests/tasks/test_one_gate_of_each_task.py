@@ -15,7 +15,7 @@ from sheath_manip.learning.checkpoint import Checkpoint, digest
 from sheath_manip.learning.drivers import GatedPolicy
 from sheath_manip.learning.fitting import fit_gate
 from sheath_manip.policies import make_policy
-from sheath_manip.protocols import Environment
+from sheath_manip.protocols import Environment, Restorable
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.rollout.request import EpisodeRequest, run_request
 from sheath_manip.task import Task
@@ -73,6 +73,7 @@ class Short:
         return self.environment.metrics()
 
     def state(self) -> NDArray[np.float64]:
+        assert isinstance(self.environment, Restorable)
         return self.environment.state()
 
 

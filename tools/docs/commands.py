@@ -26,6 +26,7 @@ installed wheel it is `python -m sheath_manip.tasks.driving`.
 GROUPS = {
     "Look around": tuple(OF_THE_MACHINE),
     "Drive, record, learn": tuple(OF_A_TASK),
+    "A gate for a policy from elsewhere": ("gate fit", "gate show"),
     "Episodes that are recorded": (
         "replay",
         *(verb for verb in EXAMPLES if verb.startswith("data ")),

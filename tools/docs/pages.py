@@ -36,7 +36,7 @@ def pages(results: Path = ROOT / "results") -> Iterator[tuple[str, str]]:
     """Yield each page that is made: its path below the checkout, and its text.
 
     Args:
-        results: the experiments' results, one folder with a `summary.json` each, and the benches.
+        results: the experiments' results, a folder with a `summary.json` each, and the benches.
     """
     known = _results(results)
     templates = _environment()
@@ -70,8 +70,11 @@ def _environment() -> jinja2.Environment:
 
 
 def _results(results: Path) -> dict[str, Any]:
-    """Every result by its name as a template writes it: `grasp_clutter`, `bench_data`."""
-    files = {path.parent.name: path for path in results.glob("*/summary.json")}
+    """Every result by its name in a template: `grasp_clutter`, `outside_fetch`, `bench_data`."""
+    files = {
+        "-".join(path.parent.relative_to(results).parts): path
+        for path in results.glob("**/summary.json")
+    }
     files |= {path.stem: path for path in results.glob("*.json")}
     return {
         name.replace("-", "_"): upgraded(json.loads(path.read_text()))

@@ -10,8 +10,7 @@ from rich.text import Text
 from sheath_manip.cli.options import StoreAddress, default_is
 from sheath_manip.cli.session import Session
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection
-from sheath_manip.exceptions import ParameterError
-from sheath_manip.types import EpisodeInfo, Outcome, Purpose
+from sheath_manip.types import Outcome
 
 FilePath = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="PATH")]
 ByValue = tyro.conf.EnumChoicesFromValues
@@ -36,8 +35,8 @@ class ExportStore:
     rounds: Annotated[tuple[int, ...], default_is("all")] = ()
     """export only episodes of these rounds"""
     action: Annotated[ActionChoice, ByValue] = ActionChoice.EXECUTED
-    """action that is exported as `the` action; labelled leaves out the steps that nobody
-    labelled"""
+    """action that is exported as `the` action; requested is what the actor asked for, before the
+    command filter, and labelled leaves out the steps that nobody labelled"""
     bad_steps: bool = False
     """export also what a person marked as bad in `sheath replay`"""
 
@@ -63,61 +62,53 @@ class ImportStore:
     """Take in the episodes of another tool's file, all or none; those that are held are left out.
 
     What `sheath data export` wrote comes back as it was. Of another tool's file the task, the
-    control rate and the meaning of its keys must be told.
+    control rate and the meaning of its keys must be told, as far as it does not say them itself.
     """
 
     file: FilePath
-    """file to import: a ReplayBuffer (directory or .zarr.zip) or a robomimic HDF5 file"""
+    """file to import: a ReplayBuffer (directory or .zarr.zip), an HDF5 file of robomimic or
+    robosuite, the directory of a LeRobot data set, or that, or the name, of one of Minari"""
     store: StoreAddress
     """directory for the episodes; made where there is none"""
     format: str
-    """name of the format: replay-buffer, robomimic, or that of an installed package"""
+    """name of the format: replay-buffer, robomimic, lerobot, minari, or that of an installed
+    package"""
     keys: Annotated[tuple[str, ...], default_is("the format's own")] = ()
     """what the file's keys mean: images/CAMERA=KEY, features=KEY,KEY,..., action=KEY, reward=KEY,
-    state=KEY; in robomimic's files an observation is obs/NAME"""
+    state=KEY, intervention=KEY; in robomimic's files an observation is obs/NAME, in Minari's
+    observations/NAME"""
     task: Annotated[str | None, default_is("as the file says")] = None
     """name of the task"""
     control_rate_hz: Annotated[float | None, default_is("as the file says")] = None
     """control steps a second of the recordings"""
-    outcome: Annotated[Outcome, ByValue] = Outcome.SUCCESS
+    outcome: Annotated[Outcome | None, ByValue, default_is("as the file says, else success")] = None
     """how the episodes ended; demonstrations are mostly published where they succeeded"""
     method: Annotated[str | None, default_is("the file's name")] = None
     """name of the method that recorded the episodes"""
+    mask: Annotated[str | None, default_is("all episodes")] = None
+    """list in the file that names the episodes to take, such as robomimic's train or valid"""
 
     def run(self, session: Session) -> int:
-        """Append them, then print how many."""
+        """Append them, then print how many, and what of them was taken."""
         from sheath_manip.dataset.exchange.apart import import_apart
+        from sheath_manip.dataset.exchange.key_map import KeyMap
+        from sheath_manip.dataset.exchange.sources import named_after, origin
 
-        origin = self._origin()
+        told = origin(
+            self.task or "",
+            self.control_rate_hz,
+            KeyMap.parse(self.keys),
+            outcome=self.outcome,
+            method=self.method or named_after(self.file),
+            mask=self.mask or "",
+        )
         with session.err.status("importing"):
-            done = import_apart(self.format, self.file, Path(self.store), origin)
+            done = import_apart(self.format, self.file, Path(self.store), told)
         line = f"{done.added} episodes added to {self.store}, {done.held} were there before"
         session.out.print(Text(line))
+        for remark in done.remarks:
+            session.out.print(Text(remark))
         if not done.sealed:
             line = f"{self.file} has no digests: no bit that changed in it is noticed"
             session.out.print(Text(line))
         return 0
-
-    def _origin(self):
-        from sheath_manip.dataset.exchange.importing import Origin
-        from sheath_manip.dataset.exchange.key_map import KeyMap
-        from sheath_manip.dataset.header import LEAST_RATE_HZ, MOST_RATE_HZ, is_rate
-
-        keys = KeyMap.parse(self.keys)
-        if self.task is None or self.control_rate_hz is None:
-            return None
-        if not is_rate(self.control_rate_hz):
-            raise ParameterError(
-                f"control rate {self.control_rate_hz} Hz; wanted {LEAST_RATE_HZ:g} .. "
-                f"{MOST_RATE_HZ:g}"
-            )
-        info = EpisodeInfo(
-            task=self.task,
-            seed=0,
-            purpose=Purpose.DEMONSTRATION,
-            control_rate_hz=self.control_rate_hz,
-            method=self.method or self.file.name.partition(".")[0],
-            # Another tool knows none.
-            variant="",
-        )
-        return Origin(info, self.outcome, keys)

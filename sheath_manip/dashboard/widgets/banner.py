@@ -10,7 +10,7 @@ from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
-from sheath_manip.playback.labels import FALLBACK, actor_label
+from sheath_manip.playback.labels import FALLBACK, actor_label, score_label
 from sheath_manip.types import Actor, GateDecision, Reason
 
 
@@ -50,8 +50,7 @@ def _banner(decision: GateDecision, fallback: str) -> str:
     actor, reason = decision.actor, decision.reason
     below = reason.value
     if np.isfinite(decision.score) and np.isfinite(decision.threshold):
-        sign = "≥" if decision.score >= decision.threshold else "<"
-        below += f" · score {decision.score:.2f} {sign} {decision.threshold:.2f}"
+        below += f" · {score_label(decision.score, decision.threshold)}"
     return _box(palette.turn(actor, reason), actor_label(actor, reason, fallback), below)
 
 

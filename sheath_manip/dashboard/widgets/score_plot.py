@@ -1,5 +1,7 @@
 """The gate's score against its threshold over time."""
 
+from html import escape
+
 import numpy as np
 from numpy.typing import NDArray
 from viser.uplot import Axis, Series
@@ -21,6 +23,8 @@ AXIS = Axis(
     stroke=palette.css(palette.GREY),
     ticks={"show": False},
 )
+NO_STEP = "No step yet."
+NO_SCORE = "There is no score: {method} has no gate that judges what the policy proposes."
 LIMITED_BAND = 0.06
 """of the plot's height, along its lower edge"""
 
@@ -36,7 +40,7 @@ class ScorePlot:
         self._before = steps - self._after
         window_s = steps / spec.control_rate_hz
         gui.add_html(caption("Support score", "threshold dashed; shaded: the policy does not act"))
-        self._no_score = gui.add_html(note("This gate computes no score."))
+        self._no_score = gui.add_html("")
         self._scores = gui.add_uplot(
             (np.zeros(1),) * 6,
             (
@@ -74,6 +78,9 @@ class ScorePlot:
         score = trace.score[first:]
         scored = bool(np.isfinite(score).any())
         self._scores.visible, self._no_score.visible = scored, not scored
+        self._no_score.content = note(
+            NO_SCORE.format(method=escape(snapshot.info.method)) if len(trace) else NO_STEP
+        )
         if scored:
             now = np.arange(first, len(trace)) == snapshot.at
             columns: tuple[NDArray, ...] = (

@@ -46,7 +46,7 @@ def _strip(snapshot: Snapshot, rate_hz: float) -> str:
         f'<div style="position:absolute;top:0;left:{mark:.2f}%;width:2px;height:30px;'
         f'background:currentColor"></div></div>'
         f'<div style="display:flex;justify-content:space-between;opacity:.6"><span>0 s</span>'
-        f"<span>{steps / rate_hz:.0f} s</span></div>{_legend(trace)}</div>"
+        f"<span>{round(steps / rate_hz, 1):g} s</span></div>{_legend(trace)}</div>"
     )
 
 

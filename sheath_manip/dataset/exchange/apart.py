@@ -15,11 +15,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import IO
 
-from sheath_manip.dataset.exchange.formats import open_file
+from sheath_manip.dataset.exchange.formats import located, open_file
 from sheath_manip.dataset.exchange.importing import Imported, Origin, import_episodes, staging_of
 from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError, SheathError, StoreError
+from sheath_manip.exceptions import ParameterError, SetupError, SheathError, StoreError
 
 GRACE_S = 10.0
 """for the start of the process"""
@@ -43,6 +43,7 @@ def import_apart(format: str, path: Path, store: Path, origin: Origin | None) ->
     Raises what that raises, and StoreError where the process is ended by the file, or does not end
     in the time that the file's size allows.
     """
+    path = located(format, path)
     most_s = TIMES_AS_LONG * Limits(path, stored_bytes(path)).most_s + GRACE_S
     with _process(store) as process:
         request = pickle.dumps((format, path, store, origin))
@@ -60,20 +61,43 @@ def import_apart(format: str, path: Path, store: Path, origin: Origin | None) ->
         )
     told = json.loads(answer)
     if "error" in told:
-        raise (ParameterError if told["parameter"] else StoreError)(told["error"])
-    return Imported(**told)
+        raise ERRORS[told["kind"]](told["error"])
+    return Imported(**{**told, "remarks": tuple(told["remarks"])})
+
+
+ERRORS = {kind.__name__: kind for kind in (ParameterError, SetupError, StoreError)}
+"""as what the process may say that it failed"""
+MEMORY_TIMES = 4
+"""as much as an episode may take: it is decoded, joined and compressed"""
+MEMORY_BYTES = 4 << 30
+"""for the libraries themselves, and what they put aside"""
 
 
 def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
     """Do one import, and say what came of it."""
     format, path, store, origin = pickle.load(requests)
     try:
+        _bound_memory(path)
         file = open_file(format, path)
         told = asdict(import_episodes(file, EpisodeStore.create(store), origin))
     except SheathError as error:
-        told = {"error": str(error), "parameter": isinstance(error, ParameterError)}
+        kinds = (name for name, kind in ERRORS.items() if isinstance(error, kind))
+        told = {"error": str(error), "kind": next(kinds, StoreError.__name__)}
     answers.write(json.dumps(told).encode())
     answers.flush()
+
+
+def _bound_memory(path: Path) -> None:
+    """Refuse what Parquet, films and images ask for beyond what a file of that size may."""
+    if sys.platform == "win32":
+        # It has no such bound.
+        return
+    import resource
+
+    most_bytes = MEMORY_BYTES + MEMORY_TIMES * Limits(path, stored_bytes(path)).most_bytes
+    _, hard_bytes = resource.getrlimit(resource.RLIMIT_DATA)
+    if hard_bytes == resource.RLIM_INFINITY or most_bytes < hard_bytes:
+        resource.setrlimit(resource.RLIMIT_DATA, (most_bytes, hard_bytes))
 
 
 @contextmanager

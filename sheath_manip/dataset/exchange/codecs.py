@@ -1,7 +1,8 @@
-"""The compressions that zarr's format 2 may name here, each decoded to exactly what is wanted.
+"""The compressions that arrays of zarr may name here, each decoded to exactly what is wanted.
 
 The list is written out: numcodecs' own holds codecs that run what a file says (`pickle`, and until
-0.16.4 whatever takes objects). None of these takes more memory than the block has bytes.
+0.16.4 whatever takes objects). None of these takes more memory than the block has bytes, but for
+images: they are decoded by imagecodecs, in the process apart.
 """
 
 import bz2
@@ -13,6 +14,7 @@ import numpy as np
 from numcodecs.blosc import Blosc
 from numcodecs.zstd import Zstd
 
+from sheath_manip.dataset.extras import needs
 from sheath_manip.dataset.zstd_frame import zstd_told_bytes
 
 Decode = Callable[[bytes, int], bytes]
@@ -67,6 +69,21 @@ def _zstd(content: bytes, size: int) -> bytes:
     return out.tobytes()
 
 
+def _jpegxl(content: bytes, size: int) -> bytes:
+    return _image("jpegxl_decode", content, size)
+
+
+def _jpeg2k(content: bytes, size: int) -> bytes:
+    return _image("jpeg2k_decode", content, size)
+
+
+def _image(decode: str, content: bytes, size: int) -> bytes:
+    # Only now: what is no image is read without the package.
+    with needs("umi", "imagecodecs"):
+        import imagecodecs  # pyright: ignore[reportMissingImports]
+    return _exactly(np.asarray(getattr(imagecodecs, decode)(content)).tobytes(), size)
+
+
 def _whole(unpacked: bytes, size: int, ended: bool) -> bytes:
     if not ended:
         raise ValueError(f"a block goes on after {size} bytes, or is cut short")
@@ -84,6 +101,8 @@ CODECS: Mapping[str | None, Decode] = {
     "blosc": _blosc,
     "bz2": _bz2,
     "gzip": _zlib,
+    "imagecodecs_jpeg2k": _jpeg2k,
+    "imagecodecs_jpegxl": _jpegxl,
     "lzma": _lzma,
     "zlib": _zlib,
     "zstd": _zstd,

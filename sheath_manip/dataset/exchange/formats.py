@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Protocol, Self, runtime_checkable
 
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track
@@ -18,8 +18,10 @@ Writer = Callable[[Path, Iterable[Recorded], ActionChoice], None]
 class ForeignFile(Protocol):
     """A file of another tool's format, ours or another's; its constructor takes its path."""
 
-    default_keys: ClassVar[DefaultKeys]
-    """what the format's own names mean"""
+    @property
+    def default_keys(self) -> DefaultKeys:
+        """What the format's own names mean."""
+        ...
 
     def recorded(self) -> Iterator[Recorded] | None:
         """The episodes as they were exported, or None where another tool wrote the file."""
@@ -41,6 +43,30 @@ class SaysRate(Protocol):
 
 
 @runtime_checkable
+class SaysTask(Protocol):
+    """A file that may name the task of all its episodes."""
+
+    @property
+    def task(self) -> str | None:
+        """The name; None where the file does not say, or names several."""
+        ...
+
+
+@runtime_checkable
+class HasMasks(Protocol):
+    """A file that lists some of its episodes by name, such as those to train on."""
+
+    @property
+    def masks(self) -> tuple[str, ...]:
+        """The names of the lists."""
+        ...
+
+    def only(self, mask: str) -> Self:
+        """Return the file with the episodes of a list alone; raises ParameterError for none."""
+        ...
+
+
+@runtime_checkable
 class Sealed(Protocol):
     """A file that may hold a digest of each of its episodes."""
 
@@ -58,6 +84,8 @@ class Format:
     """None where nothing is written for it"""
     open: Callable[[Path], ForeignFile] | None = None
     """from the path, StoreError where it is no such file; None where nothing is read of it"""
+    locate: Callable[[Path], Path] = Path
+    """from a path, or the name of what the format's own tool keeps, to where that lies"""
 
 
 _HERE = "sheath_manip.dataset.exchange"
@@ -85,6 +113,11 @@ def writer_of(name: str) -> Writer:
     if write is None:
         raise ParameterError(f"nothing is written as {name}; wanted a format such as robomimic")
     return write
+
+
+def located(name: str, path: Path) -> Path:
+    """Return where a file of the format lies; raises as `open_file`."""
+    return FORMATS[name].locate(path)
 
 
 def open_file(name: str, path: Path) -> ForeignFile:

@@ -23,6 +23,10 @@ MOST_OBJECTS = 100_000
 """in one group, all that is below it counted"""
 MOST_ATTRIBUTE_BYTES = 16 << 20
 MOST_ITEM_BYTES = 8
+MOST_NAME = 256
+"""letters of a name in a list"""
+TEXT_BYTES = 100
+"""that Python takes for a text beside its letters"""
 
 
 def member(group: h5py.Group, path: str) -> Any:
@@ -63,15 +67,7 @@ def dataset_bytes(dataset: h5py.Dataset) -> int:
 
     Raises StoreError where its bytes are elsewhere, or it holds what is no plain number.
     """
-    layout = dataset.id.get_create_plist()
-    # Before its shape, which a virtual one may have from other files.
-    if dataset.is_virtual or layout.get_external_count():
-        raise StoreError(f"{dataset.name} is kept in other files; wanted its bytes in this one")
-    codes = [layout.get_filter(number)[0] for number in range(layout.get_nfilters())]
-    if unknown := [code for code in codes if code not in FILTERS]:
-        raise StoreError(
-            f"{dataset.name} needs the filter {unknown[0]}; wanted {', '.join(FILTERS.values())}"
-        )
+    require_here(dataset)
     kind = dataset.dtype
     if kind.kind not in "biuf" or kind.itemsize > MOST_ITEM_BYTES:
         raise StoreError(f"{dataset.name} holds {kind}; wanted booleans or numbers")
@@ -83,6 +79,61 @@ def read(dataset: h5py.Dataset, limits: Limits) -> NDArray:
     """Return all of a dataset; raises StoreError as `dataset_bytes`, and where it is too large."""
     limits.require_memory(str(dataset.name), dataset_bytes(dataset))
     return np.asarray(dataset[()])
+
+
+def counted(name: str) -> tuple[int, str]:
+    """Return what sorts demo_0, demo_1, … as they are counted; anything else comes after."""
+    digits = name.rpartition("_")[2]
+    return (int(digits) if digits.isdecimal() and len(digits) < 10 else 10**9, name)
+
+
+def is_blobs(dataset: Any) -> bool:
+    """Whether a dataset is a list of bytes of any length, such as encoded images."""
+    if not isinstance(dataset, h5py.Dataset) or len(dataset.shape) != 1:
+        return False
+    return h5py.check_vlen_dtype(dataset.dtype) == np.uint8
+
+
+def read_blobs(dataset: h5py.Dataset, limits: Limits) -> list[bytes]:
+    """Return a list of bytes; raises StoreError as `dataset_bytes`, and where it is too large."""
+    require_here(dataset)
+    blobs, total = [], 0
+    # Two may be the same bytes of the file, so that its size is no bound.
+    for row in range(dataset.shape[0]):
+        blobs.append(dataset[row].tobytes())
+        total += len(blobs[-1])
+        limits.require_memory(str(dataset.name), total)
+    return blobs
+
+
+def read_names(dataset: Any, limits: Limits) -> tuple[str, ...]:
+    """Return a list of short texts, as robomimic's masks are; StoreError for anything else."""
+    is_list = isinstance(dataset, h5py.Dataset) and len(dataset.shape) == 1
+    if not is_list or h5py.check_string_dtype(dataset.dtype) is None:
+        raise StoreError(f"{dataset.name} is no list of names")
+    require_here(dataset)
+    limits.require_memory(str(dataset.name), dataset.shape[0] * (MOST_NAME + TEXT_BYTES))
+    names = []
+    # One by one: they may be of any length, and two the same bytes of the file.
+    for row in range(dataset.shape[0]):
+        limits.require_time()
+        names.append(dataset[row].decode())
+        if len(names[-1]) > MOST_NAME:
+            raise StoreError(f"{dataset.name} has a name of {len(names[-1])} letters")
+    return tuple(names)
+
+
+def require_here(dataset: h5py.Dataset) -> None:
+    """Raise StoreError where a dataset's bytes are elsewhere, or wait for a filter as a plugin."""
+    layout = dataset.id.get_create_plist()
+    # Before its shape, which a virtual one may have from other files.
+    if dataset.is_virtual or layout.get_external_count():
+        raise StoreError(f"{dataset.name} is kept in other files; wanted its bytes in this one")
+    codes = [layout.get_filter(number)[0] for number in range(layout.get_nfilters())]
+    if unknown := [code for code in codes if code not in FILTERS]:
+        raise StoreError(
+            f"{dataset.name} needs the filter {unknown[0]}; wanted {', '.join(FILTERS.values())}"
+        )
 
 
 def attribute(item: Any, name: str) -> Any:

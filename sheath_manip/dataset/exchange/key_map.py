@@ -1,7 +1,7 @@
 """What the keys of another tool's file mean here."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
@@ -12,9 +12,12 @@ from sheath_manip.dataset.exchange.track import Track
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import ParameterError, StoreError
-from sheath_manip.types import Actor, EpisodeInfo, Outcome, Reason
+from sheath_manip.types import Actor, EpisodeInfo, Outcome, Purpose, Reason
 
-_OURS = re.compile(r"images/[A-Za-z0-9][A-Za-z0-9_.-]*|features|action|reward|state")
+_OURS = re.compile(r"images/[A-Za-z0-9][A-Za-z0-9_.-]*|features|action|reward|state|intervention")
+
+UNTOLD = "untold"
+"""the checkpoint of episodes that a policy drove of which the file does not say more"""
 
 
 @dataclass(frozen=True)
@@ -22,8 +25,8 @@ class KeyMap:
     """Which of the file's keys are joined to which array of ours."""
 
     keys: Mapping[str, tuple[str, ...]]
-    """by `images/CAMERA`, `features`, `action`, `reward` or `state`; the last axes of several keys
-    are laid end to end"""
+    """by `images/CAMERA`, `features`, `action`, `reward`, `state` or `intervention`; the last axes
+    of several keys are laid end to end"""
 
     @classmethod
     def parse(cls, words: Iterable[str]) -> "KeyMap":
@@ -38,7 +41,8 @@ class KeyMap:
             if not _OURS.fullmatch(ours) or not names:
                 raise ParameterError(
                     f"the key {word!r} is not OURS=THEIRS; wanted images/CAMERA, features, action, "
-                    "reward or state, and keys of the file, such as features=agent_pos,block_pos"
+                    "reward, state or intervention, and keys of the file, such as "
+                    "features=agent_pos,block_pos"
                 )
             keys[ours] = names
         return cls(keys)
@@ -48,13 +52,31 @@ class KeyMap:
         there = {k: v for k, v in defaults.items() if all(name in track.keys for name in v)}
         return KeyMap({**there, **self.keys})
 
+    def remarks(self, track: Track, outcome_by: str) -> Iterator[str]:
+        """Yield a line that says what is taken of an episode, and one that says what is not.
+
+        `outcome_by` is the key that tells the outcome; empty where none does.
+        """
+        meant = {**self.keys, **({"outcome": (outcome_by,)} if outcome_by else {})}
+        pairs = (f"{ours}={','.join(theirs)}" for ours, theirs in meant.items())
+        yield f"taken: {' '.join(pairs)}"
+        taken = {name for theirs in meant.values() for name in theirs}
+        # A part is named `KEY/NAME`, and its key alone is enough.
+        left = [
+            key
+            for key in track.keys
+            if key not in taken and not any(key.startswith(f"{whole}/") for whole in track.keys)
+        ]
+        if left := [*left, *track.beside]:
+            yield f"not taken: {' '.join(left)}"
+
 
 def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap) -> Recorded:
     """The episode as a demonstration: the file's action is what the expert said and did.
 
-    A file that holds no observation after the last action gets the last one again. How the episode
-    ended is not told either: it counts as terminated. Raises StoreError where a key is missing or
-    of a wrong shape.
+    Where an `intervention` is false the policy proposed and did it instead, and the episode is one
+    of learning. A file that holds no observation after the last action gets the last one again.
+    Raises StoreError where a key is missing or of a wrong shape.
     """
     if "action" not in key_map.keys:
         raise _missing("action", ("action",), track)
@@ -63,10 +85,15 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
         "features": np.zeros((length, 0), np.float32),
         "state": np.zeros((length, 0)),
         "reward": np.zeros((length, 1)),
+        "intervention": np.ones((length, 1)),
         **{ours: _column(track, ours, theirs) for ours, theirs in key_map.keys.items()},
     }
     action = columns.pop("action")
     reward = columns.pop("reward")[:, 0]
+    by_expert = columns.pop("intervention")[:, 0] > 0.5
+    by_policy = ~by_expert
+    if by_policy.any():
+        info = replace(info, purpose=Purpose.LEARNING, checkpoint=UNTOLD)
     cameras = [ours for ours in columns if ours.startswith("images/")]
     header = Header(
         info=info,
@@ -78,32 +105,37 @@ def interpret(track: Track, info: EpisodeInfo, outcome: Outcome, key_map: KeyMap
         feature_size=columns["features"].shape[1],
         state_size=columns["state"].shape[1],
         action_size=action.shape[1],
-        terminated=True,
-        truncated=False,
+        terminated=track.ending.terminated,
+        truncated=track.ending.truncated,
         outcome=outcome,
+        instruction=track.words,
         metrics={},
-        expert_steps=length,
-        queries=length,
+        expert_steps=int(by_expert.sum()),
+        queries=int(by_expert.sum()),
         actors=tuple(Actor),
         reasons=tuple(Reason),
         limits=(),
         versions={},
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
     )
+    # What an expert alone recorded has none.
+    intervention = by_expert & by_policy.any()
+    expert, policy = (header.actors.index(each) for each in (Actor.EXPERT, Actor.POLICY))
+    person, fixed = (header.reasons.index(each) for each in (Reason.PERSON, Reason.FIXED))
     return Recorded(
         header,
         {
             **columns,
             "time_s": np.arange(length) / info.control_rate_hz,
-            "proposed": np.full_like(action, np.nan),
-            "has_proposed": np.zeros(length, bool),
-            "labelled": action,
-            "has_labelled": np.ones(length, bool),
+            "proposed": np.where(by_policy[:, None], action, np.float32(np.nan)),
+            "has_proposed": by_policy,
+            "labelled": np.where(by_expert[:, None], action, np.float32(np.nan)),
+            "has_labelled": by_expert,
             "executed": action,
-            "actor": np.full(length, header.actors.index(Actor.EXPERT), np.uint8),
-            "reason": np.full(length, header.reasons.index(Reason.FIXED), np.uint8),
-            "intervention": np.zeros(length, bool),
-            "query": np.ones(length, bool),
+            "actor": np.where(by_expert, expert, policy).astype(np.uint8),
+            "reason": np.where(intervention, person, fixed).astype(np.uint8),
+            "intervention": intervention,
+            "query": by_expert,
             "score": np.full(length, np.nan),
             "threshold": np.full(length, np.nan),
             "reward": reward,
@@ -143,8 +175,9 @@ def _as_ours(ours: str, parts: list[NDArray], theirs: tuple[str, ...]) -> NDArra
             raise StoreError(
                 f"{', '.join(theirs)} is {image.shape}; wanted one key of images (T, h, w, 3)"
             )
-        whole = image.astype(np.uint8)
-        if not np.array_equal(whole, image):
+        # A film of bytes is large, and needs no copy.
+        whole = image.astype(np.uint8, copy=False)
+        if image.dtype != np.uint8 and not np.array_equal(whole, image):
             raise StoreError(
                 f"{theirs[0]} is {image.dtype} and not in whole numbers 0 .. 255; "
                 "wanted RGB in bytes"
@@ -154,6 +187,8 @@ def _as_ours(ours: str, parts: list[NDArray], theirs: tuple[str, ...]) -> NDArra
     if any(part.dtype.kind not in "biuf" for part in flat):
         raise StoreError(f"{', '.join(theirs)} holds no numbers; wanted an array of them")
     joined = np.concatenate(flat, axis=1)
+    if ours in ("reward", "intervention") and joined.shape[1] != 1:
+        raise StoreError(f"{', '.join(theirs)} has {joined.shape[1]} numbers a step; wanted one")
     return joined.astype(np.float64 if ours in ("state", "reward") else np.float32)
 
 

@@ -1,4 +1,4 @@
-"""LeRobot's dataset v3, written by LeRobot itself.
+"""LeRobot's data sets: v3 written by LeRobot itself; v2.0, v2.1 and v3 read without it.
 
 | feature | meaning |
 |---|---|
@@ -6,6 +6,8 @@
 | `observation.state` | the features before the action |
 | `action` | the action that was chosen for export |
 | `next.reward`, `next.terminated`, `next.truncated`, `next.done`, `next.success` | of the action |
+| `intervention` | whether somebody else than the policy acted, as LeRobot's own DAgger has it |
+| `requested` | what the actor asked for, before the command filter: given again, it runs the same |
 | `limited` | by how much the command filter changed the action at most, NaN where it did not |
 | `NAME` | every other array of `layout`, by its name there |
 
@@ -13,108 +15,35 @@ A frame without an action has no place in it, so the observation after the last 
 headers of the episodes are in `meta/sheath.json`, which its loader does not look at.
 """
 
-import json
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sheath_manip.dataset.attributes import to_attributes
-from sheath_manip.dataset.exchange.formats import Format
+from sheath_manip.dataset.exchange.formats import ForeignFile, Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
-from sheath_manip.dataset.exchange.uniform import uniform
-from sheath_manip.dataset.extras import needs
-from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Outcome
-
-with needs("lerobot", "lerobot"):
-    # Not among the development packages: it wants a torch before 2.11.
-    from lerobot.datasets.lerobot_dataset import (  # pyright: ignore[reportMissingImports]
-        LeRobotDataset,
-    )
 
 HEADERS = "meta/sheath.json"
 _RENAMED = {"features": "observation.state", "reward": "next.reward"}
 
 
-def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
-    """Write `episodes` into the directory `target`, in the format of LeRobot's v3.
-
-    Raises StoreError where the control rate is no whole number, which LeRobot wants.
-    """
-    alike = uniform(episodes)
-    first = next(alike)
-    rate_hz = first.header.info.control_rate_hz
-    if rate_hz != round(rate_hz):
-        raise StoreError(f"LeRobot wants whole frames a second; these have {rate_hz:g}")
-    dataset = LeRobotDataset.create(
-        repo_id=f"local/{target.name}",
-        fps=round(rate_hz),
-        features={name: _feature(values[0]) for name, values in _columns(first, action).items()},
-        root=target,
-        use_videos=False,
-    )
-    headers = []
-    for recorded in chain([first], alike):
-        for frame in _frames(_columns(recorded, action)):
-            dataset.add_frame({**frame, "task": recorded.header.info.task})
-        dataset.save_episode()
-        headers.append(to_attributes(recorded.header))
-    dataset.finalize()
-    (target / HEADERS).write_text(json.dumps(headers))
-
-
-def _columns(recorded: Recorded, action: ActionChoice) -> dict[str, NDArray]:
-    """(T, ...) by feature; LeRobot has no scalars and no empty vectors."""
-    header, arrays = recorded.header, recorded.arrays
-    last = np.arange(header.length) == header.length - 1
-    columns = {
-        _name(spec.path): arrays[spec.path]
-        for spec in layout(header)
-        if not spec.path.startswith("final/") and spec.path != "limited"
-    }
-    # Its frames are all alike, but only the limits that acted in an episode have a column there.
-    columns["limited"] = (
-        _largest(arrays["limited"]) if header.limits else np.full(len(last), np.nan)
-    )
-    columns["action"] = arrays[action]
-    columns["next.terminated"] = last & header.terminated
-    columns["next.truncated"] = last & header.truncated
-    columns["next.done"] = last
-    columns["next.success"] = last & (header.outcome is Outcome.SUCCESS)
-    return {
-        name: values if values.ndim > 1 else values[:, None]
-        for name, values in columns.items()
-        if values.size
-    }
-
-
-def _largest(limited: NDArray) -> NDArray[np.float64]:
-    """(T,) of (T, l) with NaN where a limit did not act."""
-    return np.where(np.isnan(limited).all(axis=1), np.nan, np.nan_to_num(limited).max(axis=1))
-
-
-def _name(path: str) -> str:
+def feature_name(path: str) -> str:
+    """Return the feature that holds an array of `layout` with a row for each step."""
     if path.startswith("images/"):
         return f"observation.images.{path.removeprefix('images/')}"
     return _RENAMED.get(path, path)
 
 
-def _feature(value: NDArray) -> Mapping[str, Any]:
-    if value.ndim == 3:
-        names = ["height", "width", "channels"]
-        return {"dtype": "image", "shape": value.shape, "names": names}
-    return {"dtype": value.dtype.name, "shape": value.shape, "names": None}
+def _write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
+    # Each way wants packages of its own.
+    from sheath_manip.dataset.exchange.lerobot_writing import write
+
+    write(target, episodes, action)
 
 
-def _frames(columns: Mapping[str, NDArray]) -> Iterator[dict[str, NDArray]]:
-    for t in range(len(columns["action"])):
-        yield {name: values[t] for name, values in columns.items()}
+def _open(path: Path) -> ForeignFile:
+    from sheath_manip.dataset.exchange.lerobot_reading import LeRobotDirectory
+
+    return LeRobotDirectory(path)
 
 
-FORMAT = Format(write)
+FORMAT = Format(_write, _open)

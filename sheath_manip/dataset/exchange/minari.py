@@ -1,119 +1,52 @@
-"""Minari's dataset of Farama, written by Minari itself.
+"""Minari's data set of Farama: written by Minari itself, read from its HDF5 without it.
 
 An episode has T+1 observations, a dictionary of `image_CAMERA` and `features`, and T actions (the
 one that was chosen for export), rewards, terminations and truncations. `infos` holds every other
-array of `layout` by its name there, with T rows, or T+1 of what is observed (`time_s`, `state`).
-Each episode's metadata holds its header as `sheath`. Images are stored as they are, not as JPEG.
+array of `layout` by its name there, with T rows, or T+1 of what is observed (`time_s`, `state`),
+and `requested`, what the actor asked for. Each episode's metadata holds its header as `sheath` and
+a digest of header and arrays as `sheath_digest`. Images are stored as they are, not as JPEG.
 """
 
-import json
-from collections.abc import Iterable, Iterator
-from itertools import chain
+import os
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sheath_manip.dataset.attributes import to_attributes
-from sheath_manip.dataset.exchange.formats import Format
-from sheath_manip.dataset.exchange.replay_buffer import flat
+from sheath_manip.dataset.exchange.formats import ForeignFile, Format
 from sheath_manip.dataset.exchange.selection import ActionChoice
-from sheath_manip.dataset.exchange.uniform import uniform
-from sheath_manip.dataset.extras import needs
-from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.recorded import Recorded
+from sheath_manip.exceptions import StoreError
 
-with needs("minari", "minari"):
-    import minari
-    from gymnasium import spaces
-    from minari.data_collector import EpisodeBuffer
-    from minari.dataset.minari_storage import MinariStorage
+ATTRIBUTE, DIGEST = "sheath", "sheath_digest"
+METADATA = "metadata.json"
 
 
-def write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
-    """Write `episodes` into the directory `target`.
+def located(path: Path) -> Path:
+    """Return the folder of the data set at a path, or of that name where Minari keeps its own.
 
-    Minari finds it where `target`'s parent is its MINARI_DATASETS_PATH and `target`'s name is asked
-    for, such as `driving-v0`.
+    Nothing is asked of the network. Raises StoreError where there is none.
     """
-    alike = uniform(episodes)
-    first = next(alike)
-    observed = _observed(first)
-    unbounded = {"low": -np.inf, "high": np.inf, "dtype": np.float32}
-    # It joins a relative path to itself.
-    data = target.absolute() / "data"
-    data.mkdir(parents=True)
-    storage = MinariStorage.new(
-        data,
-        observation_space=spaces.Dict(
-            {
-                name: spaces.Box(0, 255, values.shape[1:], np.uint8)
-                if name.startswith("image_")
-                else spaces.Box(shape=values.shape[1:], **unbounded)
-                for name, values in observed.items()
-            }
-        ),
-        action_space=spaces.Box(shape=(first.header.action_size,), **unbounded),
-        jpeg_encoding=False,
-    )
-    storage.update_metadata(
-        {
-            "dataset_id": target.name,
-            "minari_version": minari.__version__,
-            "description": f"episodes of the task {first.header.info.task!r} of sheath-manip",
-            "algorithm_name": first.header.info.method or "unknown",
-        }
-    )
-    headers = []
-
-    def buffers() -> Iterator[EpisodeBuffer]:
-        for number, recorded in enumerate(chain([first], alike)):
-            headers.append({"sheath": json.dumps(to_attributes(recorded.header))})
-            yield _buffer(recorded, action, number)
-
-    storage.update_episodes(buffers())
-    storage.update_episode_metadata(headers)
-
-
-def _buffer(recorded: Recorded, action: ActionChoice, number: int) -> EpisodeBuffer:
-    header = recorded.header
-    # Minari asks for lists in its types and takes arrays.
-    arrays: Any = recorded.arrays
-    last: Any = np.arange(header.length) == header.length - 1
-    infos = {}
-    for spec in layout(header):
-        if spec.path.startswith(("images/", "features", "final/")):
-            continue
-        if f"final/{spec.path}" in arrays:
-            infos[spec.path] = _with_final(recorded, spec.path)
-        elif spec.path != "reward":
-            infos[spec.path] = arrays[spec.path]
-    return EpisodeBuffer(
-        id=number,
-        seed=header.info.seed,
-        observations=_observed(recorded),
-        actions=arrays[action],
-        rewards=arrays["reward"],
-        terminations=last & header.terminated,
-        truncations=last & header.truncated,
-        # Neither HDF5's reader there nor its writer takes an array without elements.
-        infos={name: values for name, values in infos.items() if values.size},
+    kept = os.environ.get("MINARI_DATASETS_PATH") or Path.home() / ".minari" / "datasets"
+    for folder in (path, Path(kept) / path):
+        for data in (folder / "data", folder):
+            if (data / METADATA).is_file():
+                return data
+    raise StoreError(
+        f"wanted a Minari data set at {path} or in {kept}, found none; `minari download {path}` "
+        "fetches one of Farama's"
     )
 
 
-def _observed(recorded: Recorded) -> dict[str, NDArray]:
-    """(T+1, ...) by name."""
-    return {
-        flat(spec.path): _with_final(recorded, spec.path)
-        for spec in layout(recorded.header)
-        if spec.path.startswith(("images/", "features"))
-    }
+def _write(target: Path, episodes: Iterable[Recorded], action: ActionChoice) -> None:
+    # Only this way wants Minari.
+    from sheath_manip.dataset.exchange.minari_writing import write
+
+    write(target, episodes, action)
 
 
-def _with_final(recorded: Recorded, path: str) -> NDArray:
-    final = np.asarray(recorded.arrays[f"final/{path}"])
-    return np.concatenate([recorded.arrays[path], final[None]])
+def _open(path: Path) -> ForeignFile:
+    from sheath_manip.dataset.exchange.minari_reading import MinariDataset
+
+    return MinariDataset(path)
 
 
-FORMAT = Format(write)
+FORMAT = Format(_write, _open, located)

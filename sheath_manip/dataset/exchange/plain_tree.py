@@ -1,18 +1,22 @@
 """The files of a folder or a zip archive by their paths in it: plain ones, and none elsewhere."""
 
+import io
+import json
 import os
 import stat
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
-from sheath_manip.dataset.exchange.limits import MOST_ENTRIES
+from sheath_manip.dataset.exchange.limits import MOST_ENTRIES, Limits
 from sheath_manip.exceptions import StoreError
 from sheath_manip.files.plain_files import open_plain, read_plain
 
 MOST_DEEP = 8
 """folders in each other"""
+JSON_TIMES_LARGER = 30
+"""what the bytes of a JSON file take in memory at most, once they are objects"""
 
 
 class PlainTree(Protocol):
@@ -39,6 +43,12 @@ class FolderTree:
         """Return what is in a file; raises OSError, also where it has grown or is a link now."""
         return read_plain(self.root / file, self.sizes[file], follow=False)
 
+    def open(self, file: str) -> io.BufferedReader:
+        """Open a file to read parts of it; raises OSError where it is no plain file any more."""
+        if file not in self.sizes:
+            raise StoreError(f"there is no {file}")
+        return open_plain(self.root / file, follow=False)
+
 
 class ZipTree:
     """The members of a zip archive, which stays open; StoreError where one is a link."""
@@ -60,6 +70,19 @@ class ZipTree:
         """Return what is in a member; raises zipfile.BadZipFile where its checksum is another."""
         # No more than it declares is ever unpacked.
         return self._archive.read(self._members[file])
+
+
+def read_json(tree: PlainTree, file: str, limits: Limits) -> Any:
+    """Return what the JSON file says; raises StoreError where there is none, or it is too large."""
+    return json.loads(read_text(tree, file, limits))
+
+
+def read_text(tree: PlainTree, file: str, limits: Limits) -> bytes:
+    """Return a text that is made of JSON; raises StoreError as `read_json`."""
+    if file not in tree.sizes:
+        raise StoreError(f"there is no {file}")
+    limits.require_memory(file, JSON_TIMES_LARGER * tree.sizes[file])
+    return tree.read(file)
 
 
 def _sizes(root: Path) -> dict[str, int]:

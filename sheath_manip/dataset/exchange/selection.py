@@ -21,6 +21,9 @@ class ActionChoice(StrEnum):
     """The action that stands for `the` action, in formats that know one."""
 
     EXECUTED = "executed"
+    """what was commanded, after the command filter where there is one"""
+    REQUESTED = "requested"
+    """what the actor asked for, before it: the one that replays"""
     LABELLED = "labelled"
     """by the expert: states that nobody labelled are left out"""
 

@@ -7,10 +7,33 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from sheath_manip.exceptions import SheathError, StoreError
+from sheath_manip.exceptions import SetupError, SheathError, StoreError
+from sheath_manip.types import Outcome
 
 DefaultKeys = Mapping[str, tuple[str, ...]]
 """what a format's own names mean, as in `KeyMap`"""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an episode ended, as far as a file says."""
+
+    outcome: Outcome | None = None
+    """None where the file does not say"""
+    terminated: bool = True
+    truncated: bool = False
+    told_by: str = ""
+    """the key that tells the outcome"""
+
+    @classmethod
+    def of(cls, key: str, success: NDArray, terminated: bool, truncated: bool) -> "Ending":
+        """Return the ending of an episode that succeeded where any step of `success` says so.
+
+        One that neither terminated nor was truncated was cut off.
+        """
+        failed = Outcome.FAILURE if terminated else Outcome.TIME_LIMIT
+        outcome = Outcome.SUCCESS if success.any() else failed
+        return cls(outcome, terminated, truncated or not terminated, key)
 
 
 @dataclass(frozen=True)
@@ -24,6 +47,13 @@ class Track:
     """(T, ...) the values of a key; raises StoreError where they do not decode"""
     final: Callable[[str], NDArray | None]
     """the value of a key after the last action, without T; None where the file has none"""
+    ending: Ending = Ending()
+    words: str = ""
+    """what was to be done, in words; empty where the file does not say"""
+    place: int | None = None
+    """in the file, where only some of its episodes are taken; None: as they come"""
+    beside: tuple[str, ...] = ()
+    """what the file holds of it that no key can name"""
 
 
 @contextmanager
@@ -31,6 +61,9 @@ def one_line(path: Path, wanted: str) -> Iterator[None]:
     """Whatever zarr, h5py and their codecs raise (they share no class) as one line."""
     try:
         yield
+    except SetupError:
+        # The file is as sound as it was.
+        raise
     except SheathError as error:
         if str(path) in str(error):
             raise

@@ -33,7 +33,7 @@ def recorded(episode: Episode, indices: Sequence[int]) -> Sequence[NDArray[np.ui
     """Return what the cameras saw, side by side; raises NothingToShowError where there was none."""
     if not episode.final_observation.images:
         raise NothingToShowError(
-            f"{episode.info.task} was seen by no camera; wanted images, or a `picture` in its entry"
+            f"{episode.info.task} was seen by no camera; wanted images, or Task(picture=...)"
         )
     seen = (*(step.observation for step in episode.steps), episode.final_observation)
     return [side_by_side(seen[index].images) for index in indices]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.experiments.figures.intervention import Pictures, recorded
+from sheath_manip.protocols import require_restorable
 from sheath_manip.task import Task
 from sheath_manip.types import Episode
 
@@ -40,8 +41,8 @@ def replayed(
     """A `picture` of each of those moments, in the `environment` of the episode's training run."""
     environment.reset(episode.info.seed)
     states = (*(step.state for step in episode.steps), episode.final_state)
-    found = []
+    found, restorable = [], require_restorable(environment, "pictures of recorded steps")
     for index in indices:
-        environment.restore(states[index])
+        restorable.restore(states[index])
         found.append(picture(environment))
     return found

@@ -7,7 +7,7 @@ import numpy as np
 
 from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.files.outputs import written_aside
-from sheath_manip.protocols import Report
+from sheath_manip.protocols import Report, require_restorable
 from sheath_manip.seeding import generator
 from sheath_manip.types import Observation
 from sheath_manip.types.samples import Samples
@@ -27,6 +27,7 @@ def _made(setting: Setting, report: Report) -> Mapping[str, Samples]:
     """Every so many steps of each new episode, each displacement once; labelled by the expert."""
     plan, displacements = setting.plan, setting.probes.displacements
     environment = setting.environment()
+    restorable = require_restorable(environment, "displaced states")
     expert = setting.task.expert(environment)
     seen: dict[str, list[tuple[Observation, np.ndarray, int]]] = {
         displacement.name: [] for displacement in displacements
@@ -38,7 +39,7 @@ def _made(setting: Setting, report: Report) -> Mapping[str, Samples]:
             expert.reset()
             for step in episode.steps[:: plan.displaced_every]:
                 for displacement in displacements:
-                    environment.restore(step.state)
+                    restorable.restore(step.state)
                     observation = displacement.apply(environment, rng)
                     seen[displacement.name].append((observation, expert.act(observation), number))
             report("displaced states")

@@ -16,6 +16,8 @@ _SHAPES = {
     mujoco.mjtGeom.mjGEOM_PLANE: "picture",
 }
 _VISIBLE_GROUPS = (0, 1, 2)
+_DEFAULT_RGBA = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
+"""MuJoCo's own: a geom that has another one is drawn in it whatever its material's is"""
 
 
 def scene_geoms(model: mujoco.MjModel) -> list[SceneGeom]:
@@ -31,7 +33,7 @@ def scene_geoms(model: mujoco.MjModel) -> list[SceneGeom]:
             SceneGeom(
                 body=int(model.geom_bodyid[index]),
                 shape=shape,
-                size=np.ones(3) if shape == "mesh" else model.geom_size[index].copy(),
+                size=np.ones(3) if shape == "mesh" else _size(model, index),
                 rgba=(rgba[0], rgba[1], rgba[2], rgba[3]),
                 position_in_body=model.geom_pos[index].copy(),
                 wxyz_in_body=model.geom_quat[index].copy(),
@@ -43,10 +45,18 @@ def scene_geoms(model: mujoco.MjModel) -> list[SceneGeom]:
     return geoms
 
 
+def _size(model: mujoco.MjModel, geom: int) -> NDArray[np.float64]:
+    size = model.geom_size[geom].copy()
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
+        # 0 is a plane without an end; MuJoCo draws it as far as it sees.
+        size[:2] = np.where(size[:2] > 0, size[:2], 2 * model.stat.extent)
+    return size
+
+
 def _rgba(model: mujoco.MjModel, geom: int) -> list[float]:
-    material = model.geom_matid[geom]
-    source = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-    return [float(value) for value in source]
+    material, own = model.geom_matid[geom], model.geom_rgba[geom]
+    has_own = material < 0 or not np.array_equal(own, _DEFAULT_RGBA)
+    return [float(value) for value in (own if has_own else model.mat_rgba[material])]
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:

@@ -1,0 +1,117 @@
+"""The policy alone, on scene after scene: those in which it fails are what gates are tried on."""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Self
+
+from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.recorder import Recorder
+from sheath_manip.dataset.space import Space
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import StoreError
+from sheath_manip.experiments.takeovers.watched import Watched
+from sheath_manip.files.json_files import write_json
+from sheath_manip.learning.checkpoint import digest
+from sheath_manip.learning.drivers import PolicyAlone
+from sheath_manip.protocols import Report
+from sheath_manip.rollout.request import EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.seeding import scene_seed
+from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose, TaskSpec
+
+LOT = "takeovers-{}"
+"""the method under which the policy's episodes alone are stored"""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene that gates are tried on."""
+
+    index: int
+    """in its lot"""
+    failing: bool
+    """whether the policy alone does not succeed there"""
+
+
+@dataclass(frozen=True)
+class Alone:
+    """What the policy did alone on the first scenes of a lot."""
+
+    episodes: int
+    failing: int
+    """of the episodes, those that did not succeed"""
+    stuck: int
+    """of these, those whose time was over"""
+    scenes: tuple[Scene, ...]
+    """that gates are tried on"""
+
+    def weight(self, failing: bool) -> float:
+        """Return how many of the episodes one scene of that kind stands for."""
+        kept = sum(scene.failing is failing for scene in self.scenes)
+        count = self.failing if failing else self.episodes - self.failing
+        return count / kept if kept else 0.0
+
+    @classmethod
+    def read(cls, at: Watched, lot: str) -> Self:
+        """Read what was found; raises StoreError where that is no such thing."""
+        path = at.alone_path(lot)
+        try:
+            content = json.loads(path.read_text())
+            scenes = tuple(Scene(**scene) for scene in content["scenes"])
+            return cls(**{**content, "scenes": scenes})
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise StoreError(f"{path} is broken ({error}); remove it to have it found again") from (
+                error
+            )
+
+
+def try_alone(at: Watched, lot: str, report: Report) -> None:
+    """Let the policy drive until enough scenes failed, or the most were tried; keep the chosen."""
+    wanted_failing, wanted_succeeding, most = at.plan.quota(lot)
+    spec = at.spec()
+    driver = PolicyAlone(at.checkpoint_path, digest(at.checkpoint_path))
+    recorder = Recorder(at.store)
+    recorder.space = Space.of(spec)
+    scenes: list[Scene] = []
+    outcomes: list[Outcome] = []
+    with SerialExecutor() as executor:
+        requests = (
+            EpisodeRequest(at.task, scene_info(at, spec, lot, index), driver)
+            for index in range(most)
+        )
+        for index, episode in enumerate(executor.map(requests)):
+            report(f"{at.study.name} {at.name} alone")
+            outcomes.append(episode.outcome)
+            failing = episode.outcome is not Outcome.SUCCESS
+            kept = sum(scene.failing is failing for scene in scenes)
+            if kept < (wanted_failing if failing else wanted_succeeding):
+                scenes.append(Scene(index, failing))
+                if not at.store.has(episode.info):
+                    recorder.on_end(episode)
+            if sum(scene.failing for scene in scenes) == wanted_failing:
+                break
+    failed = [outcome for outcome in outcomes if outcome is not Outcome.SUCCESS]
+    stuck = failed.count(Outcome.TIME_LIMIT)
+    found = Alone(len(outcomes), len(failed), stuck, tuple(scenes))
+    write_json(at.alone_path(lot), asdict(found))
+
+
+def alone_episode(at: Watched, spec: TaskSpec, lot: str, index: int) -> Episode:
+    """Read what the policy alone did on a scene that was kept."""
+    store: EpisodeStore = at.store
+    return store.read(episode_name(scene_info(at, spec, lot, index)))
+
+
+def scene_info(at: Watched, spec: TaskSpec, lot: str, index: int) -> EpisodeInfo:
+    """Return the info of an episode on a scene: all policies meet the same scenes."""
+    return EpisodeInfo.of(
+        spec,
+        variant=at.learning.schedule.variant,
+        seed=scene_seed(Purpose.EVALUATION, LOT.format(lot), index),
+        purpose=Purpose.EVALUATION,
+        method=LOT.format(lot),
+        round=at.rounds,
+        index=index,
+        run_seed=at.seed,
+        checkpoint=digest(at.checkpoint_path),
+    )

@@ -1,0 +1,75 @@
+"""`sheath experiment takeovers`: gates beside baselines of equal burden, resumable."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.experiments.learning import Job as Learn
+from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.study import Study
+from sheath_manip.experiments.takeovers.figures import draw
+from sheath_manip.experiments.takeovers.jobs import AnyJob, stages
+from sheath_manip.experiments.takeovers.plan import TakeoversPlan
+from sheath_manip.experiments.takeovers.summary import summarise
+from sheath_manip.experiments.takeovers.table import tables
+from sheath_manip.experiments.takeovers.watched import Watched
+from sheath_manip.experiments.workers import in_stages, run_jobs
+from sheath_manip.files.json_files import write_json
+from sheath_manip.learning.resuming import require_same_plan, without_seeds
+
+
+def run_takeovers(
+    studies: Iterable[Study],
+    plan: TakeoversPlan,
+    *,
+    runs: Path,
+    results: Path,
+    command: str,
+    workers: int = 2,
+    console: Console | None = None,
+) -> dict[str, Any]:
+    """Run or resume the benchmark under `runs`; write summary.json and figures to `results`.
+
+    With `workers` 0 all runs in this process. Returns the summary.
+    """
+    console = console or Console()
+    by_name = {study.name: study for study in studies}
+    for name in plan.tasks or ():
+        if name not in by_name:
+            raise UnknownNameError("task", name, by_name)
+    policies = [
+        Watched(by_name[name], plan, runs / name, seed, rounds)
+        for name in plan.tasks or by_name
+        for seed in plan.seeds
+        for rounds in plan.rounds
+    ]
+    for at in policies:
+        held = {**plan.settings(), "learning_plan": without_seeds(at.learning)}
+        require_same_plan(held, at.runs / "plan.json")
+        EpisodeStore.create(at.runs / "store")
+    stopwatch = Stopwatch(runs / "wall.json")
+    jobs = stages(policies)
+    units = sum(_units(job) for stage in jobs for job in stage)
+    with shown_progress(console, units, stopwatch) as report:
+        run_jobs(*in_stages(jobs), workers, report)
+    summary = summarise(policies, plan, command, stopwatch.tick(force=True))
+    write_json(results / "summary.json", summary)
+    paths = draw(summary, results)
+    console.print(tables(summary))
+    for path in (results / "summary.json", *paths):
+        console.print(f"  {path}")
+    return summary
+
+
+def _units(job: AnyJob) -> int:
+    """How often a job reports."""
+    if not isinstance(job, Learn):
+        return 1
+    schedule, held_out = job.plan.schedule, job.plan.comparison.evaluation_episodes
+    expert = schedule.demonstrations + schedule.calibration + schedule.false_alarm_episodes
+    rounds = schedule.rounds * (schedule.episodes + 1 + held_out)
+    return expert + 1 + held_out + rounds + job.plan.comparison.final_episodes

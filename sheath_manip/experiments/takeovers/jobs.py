@@ -1,0 +1,186 @@
+"""The benchmark's jobs: learn, drive alone, fit, try, choose, try again. Each is resumable."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sheath_manip.experiments.learning import Job as Learn
+from sheath_manip.experiments.takeovers.alone import Alone, try_alone
+from sheath_manip.experiments.takeovers.choosing import (
+    choose,
+    kinds,
+    level_name,
+    read_choices,
+    target_name,
+    write_choices,
+)
+from sheath_manip.experiments.takeovers.oracle import try_oracle
+from sheath_manip.experiments.takeovers.plan import FRESH, METHOD, TAKEOVERS, TUNING
+from sheath_manip.experiments.takeovers.schedules import SCHEDULES
+from sheath_manip.experiments.takeovers.scoring import fit_and_score
+from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_trials
+from sheath_manip.experiments.takeovers.trying import GateChoice, try_gates, try_schedules
+from sheath_manip.experiments.takeovers.watched import Watched
+from sheath_manip.protocols import Listener, Report
+from sheath_manip.seeding import generator
+
+CHOICES = "choices.json"
+GATES, BASELINES, ORACLE = "gates", "baselines", "oracle"
+"""files of trials on fresh scenes"""
+BASELINES_OF = {
+    TAKEOVERS: ("random-blocks", "random-blocks-twice", "own-at-random-times", "another-scenes"),
+    "share": ("random-steps", "every-kth-step", "own-at-random-times", "another-scenes"),
+}
+"""what a gate is held against, by what is held equal"""
+
+
+@dataclass(frozen=True)
+class DriveAlone:
+    """Let the policy drive alone, until enough scenes have failed."""
+
+    at: Watched
+    lot: str
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        if not self.at.alone_path(self.lot).exists():
+            try_alone(self.at, self.lot, lambda _: None)
+        report(f"{self.at.study.name} {self.at.name} alone")
+
+
+@dataclass(frozen=True)
+class FitGates:
+    """Fit a gate for each signal, and score what the policy did alone."""
+
+    at: Watched
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        if not all(self.at.fitted_path(name).exists() for name in self.at.plan.signals):
+            fit_and_score(self.at, lambda _: None)
+        report(f"{self.at.study.name} {self.at.name} gates")
+
+
+@dataclass(frozen=True)
+class Tune:
+    """Try one kind of gate on tuning scenes, at every level."""
+
+    at: Watched
+    signal: str
+    turn_s: float
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        levels = self.at.plan.levels
+        choices = [GateChoice(self.signal, self.turn_s, level) for level in levels]
+        path = self.at.trials_path(TUNING, choices[0].kind)
+        if not path.exists():
+            tried = try_gates(self.at, TUNING, choices)
+            write_trials(path, dict(zip(map(level_name, levels), tried, strict=True)))
+        report(f"{self.at.study.name} {self.at.name} tuning")
+
+
+@dataclass(frozen=True)
+class Choose:
+    """Choose gates and thresholds of one task by its tuning scenes."""
+
+    policies: tuple[Watched, ...]
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done: what was chosen stays chosen."""
+        del listeners
+        path = self.policies[0].runs / CHOICES
+        if not path.exists():
+            write_choices(path, choose(self.policies))
+        report(f"{self.policies[0].study.name} chosen")
+
+
+@dataclass(frozen=True)
+class TryChosen:
+    """Try the chosen gates on fresh scenes."""
+
+    at: Watched
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        path = self.at.trials_path(FRESH, GATES)
+        if not path.exists():
+            chosen = read_choices(self.at.runs / CHOICES)
+            trials: dict[str, list[Trial]] = {}
+            for signal in dict.fromkeys(choice.signal for choice in chosen.values()):
+                of = {name: each for name, each in chosen.items() if each.signal == signal}
+                tried = try_gates(self.at, FRESH, list(of.values()))
+                trials |= dict(zip(of, tried, strict=True))
+            write_trials(path, trials)
+        report(f"{self.at.study.name} {self.at.name} gates, fresh")
+
+
+@dataclass(frozen=True)
+class TryBaselines:
+    """Try what looks at nothing, as often and as long as the chosen gates, on fresh scenes."""
+
+    at: Watched
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        at, path = self.at, self.at.trials_path(FRESH, BASELINES)
+        if not path.exists():
+            gates, scenes = (
+                read_trials(at.trials_path(FRESH, GATES)),
+                Alone.read(at, FRESH).scenes,
+            )
+            schedules = {
+                f"{target_name(axis, value)}/{name}": {
+                    scene.index: SCHEDULES[name](
+                        gates[target_name(axis, value)],
+                        place,
+                        generator("takeovers", at.name, axis, str(value), name, scene.index),
+                    )
+                    for place, scene in enumerate(scenes)
+                }
+                for axis, value in at.plan.targets()
+                for name in BASELINES_OF[axis]
+            }
+            write_trials(path, dict(try_schedules(at, FRESH, schedules)))
+        report(f"{at.study.name} {at.name} baselines")
+
+
+@dataclass(frozen=True)
+class TryOracle:
+    """Try what no gate can know, on some fresh scenes."""
+
+    at: Watched
+
+    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do it, unless it is done."""
+        del listeners
+        path = self.at.trials_path(FRESH, ORACLE)
+        if not path.exists():
+            write_trials(path, {ORACLE: try_oracle(self.at, FRESH, self.at.plan.oracle)})
+        report(f"{self.at.study.name} {self.at.name} oracle")
+
+
+AnyJob = Learn | DriveAlone | FitGates | Tune | Choose | TryChosen | TryBaselines | TryOracle
+
+
+def stages(policies: Sequence[Watched]) -> list[list[AnyJob]]:
+    """Return what must be done before what, for all tasks side by side."""
+    learners = {(at.study.name, at.seed): at for at in policies}
+    learn: list[AnyJob] = [
+        Learn(at.task, at.learning, at.runs, at.seed, METHOD) for at in learners.values()
+    ]
+    tasks = dict.fromkeys(at.study.name for at in policies)
+    of_task = [tuple(at for at in policies if at.study.name == name) for name in tasks]
+    return [
+        learn,
+        [DriveAlone(at, lot) for at in policies for lot in (FRESH, TUNING)],
+        [FitGates(at) for at in policies],
+        [Tune(at, *kind) for at in policies for kind in kinds(at.plan)],
+        [Choose(each) for each in of_task],
+        [TryChosen(at) for at in policies],
+        [*map(TryBaselines, policies), *map(TryOracle, policies)],
+    ]

@@ -1,0 +1,124 @@
+"""How much the benchmark of takeovers measures."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.experiments.study import Study
+from sheath_manip.learning.config import LearningPlan
+
+METHOD = "dagger"
+"""by which the policies learn that gates watch over: its rounds want no gate"""
+TUNING, FRESH = "tuning", "fresh"
+"""lots of scenes: gates are chosen on the first, and judged once on the second"""
+TAKEOVERS, SHARE = "takeovers", "share"
+"""what is held equal: takeovers an episode, or the expert's share of the steps"""
+
+
+@dataclass(frozen=True)
+class TakeoversPlan:
+    """The settings of the benchmark; the same plan and seeds give the same result."""
+
+    tasks: tuple[str, ...] | None = None
+    """whose gates are compared; all where None"""
+    learning: str = "full"
+    """the task's plan that says what is demonstrated, fitted, and what the default gate is"""
+    learning_of: Mapping[str, str] = field(default_factory=lambda: {"platformer": "across"})
+    """another one of those, by task"""
+    seeds: tuple[int, ...] = (0, 1, 2)
+    """of training runs"""
+    rounds: tuple[int, ...] = (0, 1, 2, 4)
+    """after which a policy is watched over: the fewer, the worse it is"""
+    failing: int = 10
+    """scenes of a lot in which the policy alone does not succeed"""
+    succeeding: int = 2
+    """scenes of a lot in which it does, to see what a gate breaks"""
+    most: int = 70
+    """scenes of a lot on which the policy is tried alone, at most"""
+    tuning_share: float = 0.4
+    """of those numbers, for the tuning lot"""
+    signals: tuple[str, ...] = ("default", "precedent")
+    """that gates judge by: `default` is the task's own, `precedent` its precedents alone; others by
+    name"""
+    turns_s: tuple[float, ...] = (0.5, 1.0)
+    """shortest turns of the expert that are tried"""
+    levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.01, 0.04, 0.12)
+    """thresholds that are tried, see `watched.threshold_at`"""
+    takeovers: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
+    """an episode that fails alone, at which gates and baselines are compared"""
+    shares: tuple[float, ...] = (0.03, 0.05, 0.08, 0.13)
+    """of the steps of such an episode, at which they are compared"""
+    oracle: int = 3
+    """failing scenes of each policy on which the oracle is tried"""
+
+    def __post_init__(self) -> None:
+        for name in ("seeds", "rounds", "signals", "turns_s", "takeovers", "shares"):
+            if not getattr(self, name):
+                raise ParameterError(f"{name} is empty; wanted at least one")
+        if len(self.levels) < 2 or list(self.levels) != sorted(set(self.levels)):
+            raise ParameterError(f"levels are {self.levels}; wanted two or more, rising")
+        if self.levels[-1] >= 1:
+            raise ParameterError(f"levels are {self.levels}; wanted each below 1")
+        if self.failing < 1 or self.most < self.failing:
+            raise ParameterError(
+                f"failing is {self.failing} and most {self.most}; wanted 1 <= failing <= most"
+            )
+
+    def quota(self, lot: str) -> tuple[int, int, int]:
+        """Return how many failing and succeeding scenes a lot has, and how many are tried."""
+        counts = (self.failing, self.succeeding, self.most)
+        if lot == FRESH:
+            return counts
+        failing, succeeding, most = (max(1, round(self.tuning_share * each)) for each in counts)
+        return failing, succeeding, most
+
+    def targets(self) -> list[tuple[str, float]]:
+        """Return all (axis, value) at which gates are compared."""
+        takeovers = [(TAKEOVERS, value) for value in self.takeovers]
+        return takeovers + [(SHARE, value) for value in self.shares]
+
+    def of(self, study: Study) -> LearningPlan:
+        """Return what runs on the study's task, so that each policy of `rounds` is learned."""
+        named = self.learning_of.get(study.name, self.learning)
+        plan = study.plan(named if named in study.plans else self.learning)
+        return plan.changed(
+            schedule={"rounds": max(1, *self.rounds), "stop_below_loss": 0.0},
+            comparison={
+                "methods": (METHOD,),
+                "seeds": self.seeds,
+                "evaluation_episodes": 1,
+                "final_episodes": 1,
+            },
+        )
+
+    def described(self) -> dict[str, Any]:
+        """Return the plan as plain values, for summaries."""
+        return dataclasses.asdict(self)
+
+    def settings(self) -> dict[str, Any]:
+        """Return what a resumed run must have in common: all but the choice of tasks and seeds."""
+        free = ("tasks", "seeds")
+        return {name: value for name, value in self.described().items() if name not in free}
+
+
+PLANS = {
+    "full": TakeoversPlan(),
+    "quick": TakeoversPlan(
+        tasks=("driving",),
+        learning="quick",
+        learning_of={},
+        seeds=(0,),
+        rounds=(0,),
+        failing=3,
+        succeeding=1,
+        most=8,
+        signals=("default",),
+        turns_s=(0.5,),
+        levels=(-0.5, 0.0, 0.1),
+        takeovers=(1.0,),
+        shares=(0.08,),
+        oracle=1,
+    ),
+}

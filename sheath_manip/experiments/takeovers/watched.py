@@ -1,0 +1,131 @@
+"""One policy that gates watch over: where it lies, its scenes, and what is fitted around it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.experiments.study import Study
+from sheath_manip.experiments.takeovers.plan import METHOD, TakeoversPlan
+from sheath_manip.gates.config import GateConfig
+from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
+from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.results import EXPERT, round_path
+from sheath_manip.protocols import Environment
+from sheath_manip.signals import PRECEDENTS
+from sheath_manip.task import Task
+from sheath_manip.types import TaskSpec
+from sheath_manip.types.samples import Samples, samples_from
+
+
+@dataclass(frozen=True, eq=False)
+class Watched:
+    """The policy of one training seed after some rounds."""
+
+    study: Study
+    plan: TakeoversPlan
+    runs: Path
+    """of this task"""
+    seed: int
+    rounds: int
+
+    @property
+    def task(self) -> Task:
+        """The study's."""
+        return self.study.task
+
+    @property
+    def name(self) -> str:
+        """Of the policy, in files."""
+        return f"s{self.seed}-r{self.rounds}"
+
+    @property
+    def learning(self) -> LearningPlan:
+        """By which it learned."""
+        return self.plan.of(self.study)
+
+    @property
+    def store(self) -> EpisodeStore:
+        """The episodes of all seeds."""
+        return EpisodeStore(self.runs / "store")
+
+    @property
+    def directory(self) -> Path:
+        """Of all that is measured of it."""
+        return self.runs / self.name
+
+    @property
+    def checkpoint_path(self) -> Path:
+        """Of the policy, whose own gate is not looked at."""
+        method = METHOD if self.rounds else EXPERT
+        return round_path(self.runs, self.seed, method, self.rounds, "npz")
+
+    def fitted_path(self, signal: str) -> Path:
+        """Of the policy with a gate that judges by `signal`."""
+        return self.directory / f"{signal}.npz"
+
+    def held_out_path(self, signal: str) -> Path:
+        """Of that signal's scores of the expert's held-out episodes."""
+        return self.directory / f"{signal}-held-out.npy"
+
+    def scores_path(self, lot: str, signal: str) -> Path:
+        """Of that signal's scores of the policy's steps alone, on the scenes of a lot."""
+        return self.directory / lot / f"{signal}.npz"
+
+    def alone_path(self, lot: str) -> Path:
+        """Of what the policy did alone."""
+        return self.directory / lot / "alone.json"
+
+    def trials_path(self, lot: str, way: str) -> Path:
+        """Of what happened under a way of taking over."""
+        return self.directory / lot / f"{way}.json"
+
+    def environment(self) -> Environment:
+        """A new one, of the variant that is learned on."""
+        return self.task.make_for_run(self.learning.schedule.variant, self.seed)
+
+    def spec(self) -> TaskSpec:
+        """The task's."""
+        environment = self.environment()
+        environment.close()
+        return environment.spec
+
+    def checkpoint(self, spec: TaskSpec) -> Checkpoint:
+        """Read the policy."""
+        return load_checkpoint(self.checkpoint_path, spec)
+
+    def states(self, checkpoint: Checkpoint) -> Samples:
+        """Return what the policy was fitted to."""
+        return samples_from(self.store.read_many(checkpoint.fitted.sources.fitted_to))
+
+    def calibration(self, checkpoint: Checkpoint) -> list[Samples]:
+        """Return the expert's held-out episodes."""
+        names: Iterable[str] = checkpoint.fitted.sources.held_out
+        return [samples_from([episode]) for episode in self.store.read_many(names)]
+
+    def config(self, signal: str) -> GateConfig:
+        """Return the settings of a gate that judges by one of the plan's signals."""
+        gate = self.learning.gate
+        named = {
+            "default": gate.signal,
+            "precedent": PRECEDENTS.get(gate.signal, gate.signal),
+        }.get(signal, signal)
+        return self.learning.changed(
+            gate={"signal": named, "release_rate": 0.0, "quiet_steps": 0, "minimum_hold_steps": 0}
+        ).gate
+
+
+def threshold_at(held_out: NDArray[np.float64], level: float) -> float:
+    """Return the threshold of a level, by the (n,) scores of the expert's held-out steps.
+
+    From 0 on it is the score below which so large a share of them lies, 0 the lowest; below 0 it
+    lies so many times farther below the lowest as the lowest is below the median.
+    """
+    known = held_out[np.isfinite(held_out)]
+    lowest, middle = float(known.min()), float(np.median(known))
+    if level <= 0:
+        return lowest + level * max(middle - lowest, 1e-9)
+    return float(np.quantile(known, level))

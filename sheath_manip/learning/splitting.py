@@ -1,0 +1,48 @@
+"""Which episodes of a store are fitted to, and which are held out: told without reading them."""
+
+from collections.abc import Sequence
+
+from sheath_manip.dataset.reader import EpisodeSummary
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.learning.demonstrations import BY_THE_EXPERT, is_learned_from, left_out_line
+from sheath_manip.types import Purpose
+
+
+def learned_and_left(
+    summaries: Sequence[EpisodeSummary], failures: bool
+) -> tuple[list[EpisodeSummary], list[EpisodeSummary]]:
+    """Return the episodes with something to learn from, and those left out for how they ended."""
+    taken, left_out = list[EpisodeSummary](), list[EpisodeSummary]()
+    for each in summaries:
+        if each.queries or each.info.purpose in BY_THE_EXPERT:
+            learned = is_learned_from(each.info.purpose, each.outcome, failures)
+            (taken if learned else left_out).append(each)
+    return taken, left_out
+
+
+def split_off(
+    taken: Sequence[EpisodeSummary],
+    left_out: Sequence[EpisodeSummary],
+    held_out: int,
+    where: str,
+    remedy: str,
+) -> tuple[list[str], list[str]]:
+    """Return the names of the episodes to fit to, and of the expert's last few, held out.
+
+    Raises ParameterError where there are not more of the expert's than are held out `where` they
+    lie; `remedy` says how more are had.
+    """
+    expert = sorted(
+        (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name)
+        for s in taken
+        if s.info.purpose in BY_THE_EXPERT
+    )
+    if len(expert) <= held_out:
+        told = f" ({left_out_line(s.outcome for s in left_out)})" if left_out else ""
+        raise ParameterError(
+            f"{where} holds {len(expert)} expert episodes to learn from{told}; wanted "
+            f"more than the {held_out} that are held out: {remedy}, or give a smaller "
+            "--calibration"
+        )
+    names = [name for *_, name in expert[-held_out:]]
+    return [s.name for s in taken if s.name not in set(names)], names

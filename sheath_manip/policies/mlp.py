@@ -1,0 +1,199 @@
+"""A small network for tasks without pictures: from the observation's features to the action."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch.nn import functional
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.augmentation import reflected
+from sheath_manip.policies.choices import (
+    choices_of,
+    likeliest,
+    nearest_choices,
+    zero_one_losses,
+)
+from sheath_manip.policies.deviation import largest_deviations
+from sheath_manip.policies.learned_arrays import numbers
+from sheath_manip.policies.memoryless import Memoryless
+from sheath_manip.policies.mlp_network import MlpNetwork
+from sheath_manip.policies.nested_arrays import flatten, subtree
+from sheath_manip.policies.network_arrays import network_with, weights_of
+from sheath_manip.policies.own_units import OwnUnits
+from sheath_manip.policies.requirements import require_features
+from sheath_manip.policies.unit_actions import from_unit, to_unit
+from sheath_manip.protocols import Arrays
+from sheath_manip.types import Observations, Proposal, TaskSpec
+from sheath_manip.types.samples import Samples
+
+
+class MlpPolicy(Memoryless):
+    """Regresses continuous actions on the features, or classifies them into choices.
+
+    Images go unused. The first fit is cold and learns how to standardise the features; each later
+    one continues from the present weights with a fresh optimiser. With one number of threads the
+    same seed and the same samples in the same order give the same weights to the bit.
+    """
+
+    def __init__(
+        self,
+        spec: TaskSpec,
+        hidden: Sequence[int] = (256, 256),
+        steps: int = 2000,
+        warm_steps: int = 800,
+        learning_rate: float = 1e-3,
+        warm_learning_rate: float = 5e-4,
+        batch_size: int = 128,
+        weight_decay: float = 1e-4,
+        feature_noise: float = 0.05,
+        seed: int = 0,
+    ) -> None:
+        """Store the hyperparameters; ParameterError where the task has no features.
+
+        Args:
+            spec: of the task.
+            hidden: width of each hidden layer, of which there is at least one.
+            steps: gradient steps of a cold fit, however many samples there are.
+            warm_steps: of a warm refit.
+            learning_rate: of Adam at its peak in a cold fit; it falls linearly to 0.
+            warm_learning_rate: the same in a warm fit.
+            batch_size: states a gradient step.
+            weight_decay: decoupled (AdamW).
+            feature_noise: standard deviation of what is added to each feature in training, as a
+                share of its own.
+            seed: of the initial weights and of the order of the batches.
+        """
+        self.spec = spec
+        self.hidden = tuple(hidden)
+        self.steps = steps
+        self.warm_steps = warm_steps
+        self.learning_rate = learning_rate
+        self.warm_learning_rate = warm_learning_rate
+        self.batch_size = batch_size
+        self.weight_decay = weight_decay
+        self.feature_noise = feature_noise
+        self.seed = seed
+        require_features(spec)
+        if not self.hidden:
+            raise ParameterError("hidden is empty; wanted a width for each hidden layer, like 256")
+        self.choices = None if spec.action.choices is None else choices_of(spec)
+        self.network_: MlpNetwork | None = None
+        self.scaling_ = OwnUnits()
+        self.fits_ = 0
+
+    def fit(self, samples: Samples) -> Self:
+        """Fit to (n, a) labels, for choices each taken as the nearest; ParameterError for none."""
+        if len(samples) == 0:
+            raise ParameterError(
+                "no samples to fit a policy to; at least one labelled state is needed"
+            )
+        steps, rate = self.warm_steps, self.warm_learning_rate
+        if self.network_ is None:
+            steps, rate = self.steps, self.learning_rate
+            self.network_ = self._fresh_network()
+            self.scaling_.fit(samples.features)
+        # Each refit draws its own order of batches.
+        rng = np.random.default_rng([self.seed, self.fits_])
+        self._train(self.network_, replace(samples, images={}), steps, rate, rng)
+        self.fits_ += 1
+        return self
+
+    def _fresh_network(self, weights: bool = True) -> MlpNetwork:
+        """Of the seed's first weights; without, it takes no memory and only has shapes."""
+        outputs = len(self.spec.action.names) if self.choices is None else len(self.choices)
+        return MlpNetwork(
+            len(self.spec.feature_names),
+            outputs,
+            self.hidden,
+            torch.Generator().manual_seed(self.seed) if weights else None,
+        )
+
+    def _train(
+        self,
+        network: MlpNetwork,
+        samples: Samples,
+        steps: int,
+        rate: float,
+        rng: np.random.Generator,
+    ) -> None:
+        optimiser = torch.optim.AdamW(
+            network.parameters(), rate, weight_decay=self.weight_decay, fused=True
+        )
+        network.train()
+        order = np.empty(0, dtype=np.int64)
+        for step in range(steps):
+            if len(order) == 0:
+                order = rng.permutation(len(samples))
+            batch, order = order[: self.batch_size], order[self.batch_size :]
+            for group in optimiser.param_groups:
+                group["lr"] = rate * (1 - step / steps)
+            states = samples.take(batch)
+            if self.spec.mirror is not None:
+                states = reflected(states, self.spec.mirror, rng)
+            felt = self.scaling_.transform(states.features)
+            felt += self.feature_noise * rng.standard_normal(felt.shape, np.float32)
+            loss = self._loss(network(torch.from_numpy(felt)), states.labels)
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+        network.eval()
+
+    def _loss(self, outputs: torch.Tensor, labels: NDArray) -> torch.Tensor:
+        if self.choices is None:
+            return functional.mse_loss(outputs, torch.from_numpy(to_unit(self.spec.action, labels)))
+        classes = nearest_choices(self.choices, labels)
+        return functional.cross_entropy(outputs, torch.from_numpy(classes))
+
+    def predict(self, observations: Observations) -> Proposal:
+        """Regress actions, cut to their bounds, or take the likeliest choices; images go unused.
+
+        Latents: the (n, hidden[-1]) last hidden layer as `penultimate`, and for choices their
+        (n, k) softmax as `choice scores`.
+        """
+        network, scaled = self._fitted(), self.scaling_.transform(observations.features)
+        with torch.inference_mode():
+            penultimate = network.rectified(torch.from_numpy(scaled))
+            outputs = network.head(penultimate)
+        latents = {"penultimate": penultimate.numpy()}
+        if self.choices is None:
+            return Proposal(from_unit(self.spec.action, outputs.numpy()), latents)
+        scores = torch.softmax(outputs, dim=1).numpy()
+        return Proposal(
+            likeliest(self.choices, outputs.numpy()), {**latents, "choice scores": scores}
+        )
+
+    def surrogate_losses(self, proposal: Proposal, labels: NDArray) -> NDArray[np.float32]:
+        """(n,) for choices 1 where it is another than the label's, else 0.
+
+        For continuous actions the largest deviation of any dimension, as a share of its range.
+        """
+        if self.choices is None:
+            return largest_deviations(self.spec.action, proposal.now, labels)
+        return zero_one_losses(self.choices, proposal.now, labels)
+
+    def arrays(self) -> Arrays:
+        """The weights by layer, the scaling of the features and the number of fits so far."""
+        parts = {"network": weights_of(self._fitted()), "scaling": self.scaling_.arrays()}
+        return {**flatten(parts), "fits": np.array(self.fits_)}
+
+    def load(self, arrays: Arrays) -> Self:
+        """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
+        network = network_with(
+            subtree(arrays, "network"),
+            self._fresh_network,
+            f"hidden layers {self.hidden}, {len(self.spec.feature_names)} features and "
+            f"{len(self.spec.action.names) if self.choices is None else len(self.choices)} outputs",
+        )
+        self.scaling_.load(subtree(arrays, "scaling"))
+        self.fits_ = int(numbers(arrays, "fits"))
+        self.network_ = network
+        return self
+
+    def _fitted(self) -> MlpNetwork:
+        if self.network_ is None:
+            raise ParameterError("the policy is not fitted yet; call fit or load first")
+        return self.network_

@@ -1,0 +1,52 @@
+"""What passes between arrays and a network: images, and its weights."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.learned_arrays import require_shapes
+from sheath_manip.policies.network import shapes_of
+from sheath_manip.protocols import Arrays
+
+Network = TypeVar("Network", bound=nn.Module)
+
+
+def tensor_of(images: NDArray[np.uint8]) -> torch.Tensor:
+    """The images as they are, or a copy where the array is read-only, which torch would warn of."""
+    return torch.from_numpy(images if images.flags.writeable else images.copy())
+
+
+def weights_of(network: nn.Module) -> dict[str, NDArray]:
+    """Return a copy of a network's weights, by layer."""
+    state = network.state_dict()
+    return {name: tensor.contiguous().numpy().copy() for name, tensor in state.items()}
+
+
+def network_with(weights: Arrays, fresh: Callable[[bool], Network], what: str) -> Network:
+    """Return a network that took over `weights`, ready to predict.
+
+    Args:
+        weights: as `weights_of` gave them.
+        fresh: makes the network, with first weights or, called with False, with their shapes only.
+        what: the network is, for the message.
+
+    Raises:
+        ParameterError: the weights belong to a network of another shape.
+    """
+    try:
+        # Before memory is taken for what the hyperparameters ask for.
+        require_shapes(weights, shapes_of(fresh(False)))
+    except ParameterError as error:
+        raise ParameterError(f"the weights are not those of a network with {what}: {error}") from (
+            error
+        )
+    network = fresh(True)
+    network.load_state_dict(
+        {name: torch.from_numpy(np.array(array)) for name, array in weights.items()}
+    )
+    return network.eval()

@@ -1,0 +1,1 @@
+"""Tasks that others wrote, and what was learned on them."""
