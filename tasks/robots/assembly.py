@@ -11,10 +11,11 @@ from dm_control import mjcf
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.robots.arm_file import ArmFile, Vector, read_arm
-from sheath_manip.tasks.robots.fingers import add_gripper, open_positions
 from sheath_manip.tasks.robots.elements import found, inherited
+from sheath_manip.tasks.robots.fingers import add_gripper, open_positions
 from sheath_manip.tasks.robots.models import located
 from sheath_manip.tasks.robots.robot import ASSETS
+from sheath_manip.tasks.robots.thinning import thin
 
 _FROM_M = 0.001
 """links that are so close at home are so by their shapes, and are not to push each other"""
@@ -112,7 +113,8 @@ def _as_it_comes(path: Path, name: str) -> Any:
             element.remove()
     for part in (root.option, root.size, root.visual, root.statistic, root.keyframe):
         part.remove()
-    drawn = any(drawn_only(geom) for geom in root.find_all("geom"))
+    drawn = [geom for geom in root.find_all("geom") if drawn_only(geom)]
+    thin(root, drawn)
     for number, geom in enumerate(root.find_all("geom")):
         geom.name = geom.name or f"{geom.parent.name or 'part'}_{number}"
         if drawn and not drawn_only(geom):
