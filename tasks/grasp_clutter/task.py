@@ -155,8 +155,8 @@ class GraspTask(SheathTask):
         remark = said(self.scenario.robot)
         raise ParameterError(
             f"none of {_MOST_DRAWS} scenes can be solved by this robot"
-            f"{'' if remark is None else f': {remark}'}; wanted one that reaches 0.38 to 0.54 m far "
-            "with its tool pointing down"
+            + ("" if remark is None else f": {remark}")
+            + "; wanted one that reaches 0.38 to 0.54 m far with its tool pointing down"
         )
 
     def lay(self, physics: mjcf.Physics, scene: Scene, start_rad: NDArray) -> None:
