@@ -44,7 +44,7 @@ SEEDS = "arms"
 """of scenes that no tuning has seen, but that of these arms"""
 OWN = {
     "own": ("the house's arm with its jaw", "MIT", "sheath-manip"),
-    "jaco": ("Kinova's Jaco with the same jaw", "BSD-3-Clause", "dm-control"),
+    "jaco": ("Kinova's Jaco with the same jaw", "Apache-2.0", "dm-control"),
 }
 """title, licence and package of the arms that are no files"""
 _EVERY = 2
