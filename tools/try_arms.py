@@ -155,7 +155,8 @@ def film_of_grasp(arm: str) -> bytes:
     episode = demonstrations(GRASP_CLUTTER, 1, variant)[0]
     environment = GRASP_CLUTTER.make(variant)
     film = film_of(environment, episode)
-    moments = range(0, len(film) + 1, _EVERY)
+    # The end is shown in any case.
+    moments = [*range(0, len(film), _EVERY), len(film)]
     pictures = drawn(GRASP_CLUTTER, environment, film)
     assert pictures is not None
     shown = list(frames(film.trace.so_far(), film.outcome, pictures, moments=moments))
