@@ -54,6 +54,11 @@ def span(summary: dict[str, Any], term: str, scale: float = 1) -> str:
     return f"{min(values):.0f} to {max(values):.0f}"
 
 
+def arm_file(name: str) -> str:
+    """Return the text of an arm's file, as assets/robots has it."""
+    return (ROOT / "assets" / "robots" / f"{name}.toml").read_text()
+
+
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -65,7 +70,7 @@ def _environment() -> jinja2.Environment:
         autoescape=False,
     )
     environment.globals |= {function.__name__: function for function in NUMBERS}
-    environment.globals |= {"theory_table": theory_table, "span": span}
+    environment.globals |= {"theory_table": theory_table, "span": span, "arm_file": arm_file}
     return environment
 
 
