@@ -1,4 +1,4 @@
-"""What is learned on robosuite's Lift: Fetch's plan, with fewer episodes, since each takes longer."""
+"""What is learned on robosuite's Lift: as on Fetch, in fewer episodes, since each takes longer."""
 
 from sheath_manip.experiments.study import Study
 from tools.outside.fetch_study import FULL
