@@ -38,8 +38,8 @@ class Options:
     """name of the plan"""
     seeds: tuple[int, ...] = ()
     """of the training runs; by default the plan's"""
-    workers: int = 1
-    """processes"""
+    workers: int = 0
+    """processes beside this one; with 0 all runs in it"""
 
 
 def study_named(name: str) -> Study:
