@@ -3,6 +3,14 @@
 Zhao et al. 2023, 'Learning fine-grained bimanual manipulation with low-cost hardware' (RSS), here
 without the variational part, which in the paper makes a difference on people's demonstrations and
 none on a script's, and small enough to be trained on a CPU.
+
+From few demonstrations it learns slower than `SpatialPolicy`, whose convolutions it has. The grasp
+in clutter, easy tuning scenes, cloned from the same 40 clean demonstrations, 450 steps each:
+
+    policy                                       training loss   succeeds alone
+    act, chunks of 8, 4 of them executed             .067            4 of 20
+      2 of them executed, or 1                                       2 of 20
+    spatial-cnn, twice as many states a step         .045           11 of 20
 """
 
 from collections.abc import Sequence
@@ -45,8 +53,8 @@ class ActPolicy:
     def __init__(
         self,
         spec: TaskSpec,
-        chunk: int = 16,
-        executed_steps: int = 8,
+        chunk: int = 8,
+        executed_steps: int = 4,
         channels: Sequence[int] = (16, 32, 32, 32),
         width: int = 96,
         heads: int = 4,

@@ -17,7 +17,9 @@ from sheath_manip.policies.spatial_network import (
 
 CELLS = 5
 """a side, into which a camera's grid is pooled where it is finer: attention over all 81 cells of an
-image of 84 px takes three times as long. What is finer, the token of points tells"""
+image of 84 px takes three times as long. What is finer, the trunk tells"""
+TRUNK = 256
+"""hidden units between where things are and the first guess"""
 FEED_FORWARD = 2
 """times the width is the hidden layer of each block"""
 
@@ -25,8 +27,11 @@ FEED_FORWARD = 2
 class ActNetwork(nn.Module):
     """Convolutions a camera, a transformer over their cells, and one query an action of the chunk.
 
-    Takes (n, h, w, 3) uint8 images by camera and (n, f) standardised features. Beside the cells of
-    a camera stands a token of where each of its channels responds, finer than the cells are.
+    Takes (n, h, w, 3) uint8 images by camera and (n, f) standardised features. Where each channel
+    of each camera responds, finer than the cells are, goes with the features through a trunk of its
+    own, which says the whole chunk at a first guess; the transformer, to which it is a token beside
+    the cells, adds what the guess lacks, at first nothing. So it learns from few demonstrations
+    what `SpatialNetwork` does.
     """
 
     def __init__(
@@ -58,15 +63,17 @@ class ActNetwork(nn.Module):
         require_channels(channels)
         require_large_enough(cameras)
         self.cameras = tuple(sorted(cameras))
-        # Of the cells of all cameras, a token of points each, and one of the features.
-        tokens = sum(_pooled(high) * _pooled(wide) + 1 for high, wide in cameras.values()) + 1
+        # Of the cells of all cameras, and one of all that the trunk says.
+        tokens = sum(_pooled(high) * _pooled(wide) for high, wide in cameras.values()) + 1
         # On the meta device the layers' own initialisation draws nothing from the global generator.
         with torch.device("meta"):
             # Lists, since a module cannot be called what a camera can.
             self.eyes = nn.ModuleList(Eye(channels) for _ in self.cameras)
             self.cell = nn.Linear(channels[-1], width)
-            self.points = nn.ModuleList(nn.Linear(2 * channels[-1], width) for _ in self.cameras)
-            self.felt = nn.Linear(features, width)
+            look = 2 * channels[-1] * len(cameras) + features
+            self.trunk = nn.ModuleList((nn.Linear(look, TRUNK), nn.Linear(TRUNK, TRUNK)))
+            self.direct = nn.Linear(TRUNK, chunk * outputs)
+            self.said = nn.Linear(TRUNK, width)
             self.places = nn.Parameter(torch.empty(tokens, width))
             self.queries = nn.Parameter(torch.empty(chunk, width))
             self.encoder = nn.ModuleList(Block(width, heads) for _ in range(layers))
@@ -81,7 +88,9 @@ class ActNetwork(nn.Module):
                 nn.init.constant_(parameter, float(name.endswith("weight")))
             elif name in ("places", "queries"):
                 nn.init.normal_(parameter, std=0.1, generator=generator)
-            elif name.startswith("eyes") and parameter.ndim > 1:
+            elif name == "head.weight":
+                nn.init.zeros_(parameter)
+            elif name.startswith(("eyes", "trunk")) and parameter.ndim > 1:
                 nn.init.kaiming_uniform_(parameter, nonlinearity="relu", generator=generator)
             elif parameter.ndim > 1:
                 nn.init.xavier_uniform_(parameter, generator=generator)
@@ -99,18 +108,18 @@ class ActNetwork(nn.Module):
 
     def forward(self, layers: Mapping[str, torch.Tensor], features: torch.Tensor) -> torch.Tensor:
         """Return the (n, chunk, outputs) of the cameras' `activations`."""
+        points = [image_points(layers[name]) for name in self.cameras]
+        said = torch.cat([*points, features], dim=1)
+        for layer in self.trunk:
+            said = torch.relu(layer(said))
         cells = [self.cell(_cells(layers[name])) for name in self.cameras]
-        points = [
-            point(image_points(layers[name]))[:, None]
-            for name, point in zip(self.cameras, self.points, strict=True)
-        ]
-        tokens = torch.cat([*cells, *points, self.felt(features)[:, None]], dim=1) + self.places
+        tokens = torch.cat([*cells, self.said(said)[:, None]], dim=1) + self.places
         for block in self.encoder:
             tokens = block(tokens, tokens)
         chunk = self.queries.expand(len(features), -1, -1)
         for block in self.decoder:
             chunk = block(chunk, tokens)
-        return self.head(self.norm(chunk))
+        return self.direct(said).unflatten(1, (len(self.queries), -1)) + self.head(self.norm(chunk))
 
 
 def _pooled(side_px: int) -> int:
