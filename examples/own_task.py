@@ -1,6 +1,7 @@
 """A task of one's own in one file, without a simulator: checked, then driven by its expert.
 
 python examples/own_task.py [own_task.png]
+sheath collect examples/own_task.py:CART --store runs/carts
 """
 
 import sys

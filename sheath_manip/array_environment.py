@@ -1,18 +1,17 @@
 """An environment without a simulator: one array is all of its state."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sheath_manip.types import Observation, SceneGeom, ScenePose
+from sheath_manip.types import Observation
 
 
 class ArrayEnvironment(ABC):
     """Base of such environments: what follows from `at`, the state, is here.
 
-    There are no shapes to show; `Task(picture=...)` makes films all the same. What is
+    It has no shapes to show; `Task(picture=...)` makes films all the same. What is
     left to a task: `spec`, `reset`, `step`, `observe`, `outcome` and `metrics`.
     """
 
@@ -31,19 +30,6 @@ class ArrayEnvironment(ABC):
         """Continue from a `state()` of an episode with the present seed."""
         self.at = np.array(state, np.float64)
         return self.observe()
-
-    def scene(self) -> Sequence[SceneGeom]:
-        """Return no shapes."""
-        return ()
-
-    def pose(self) -> ScenePose:
-        """Return the poses of no body."""
-        return ScenePose(np.zeros((0, 7)))
-
-    def pose_at(self, state: NDArray[np.float64]) -> ScenePose:
-        """Return the same, and stand at `state`."""
-        self.restore(state)
-        return self.pose()
 
     def close(self) -> None:
         """Return at once: there is nothing to free."""

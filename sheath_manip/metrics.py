@@ -118,7 +118,7 @@ def endings(figures: Mapping[str, Any]) -> dict[str, tuple[float | None, Sequenc
     stuck = ENDED[Outcome.TIME_LIMIT]
     if "stuck_rate" not in figures and figures["success_rate"] is not None:
         count = figures["episodes"]
-        rest = round(count * (1 - figures["success_rate"] - figures["failure_rate"]))
+        rest = max(0, round(count * (1 - figures["success_rate"] - figures["failure_rate"])))
         found[stuck] = rest / count, rate_interval(rest, count)
     return found
 

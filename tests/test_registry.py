@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sheath_manip.dataset.exchange.formats import FORMATS, open_file
+from sheath_manip.dataset.exchange.formats import FORMATS, Format, open_file
 from sheath_manip.exceptions import ParameterError, RegistrationError, SetupError, UnknownNameError
 from sheath_manip.gates.making import GATES
 from sheath_manip.learning.methods import METHODS
@@ -50,8 +50,11 @@ def test_every_member_of_the_house_is_there(table):
 
 
 def test_a_format_that_is_only_written_says_so(tmp_path):
-    with pytest.raises(ParameterError, match="nothing is read of minari"):
-        open_file("minari", tmp_path)
+    with (
+        FORMATS.including("ink", Format(lambda *_: None)),
+        pytest.raises(ParameterError, match="nothing is read of ink"),
+    ):
+        open_file("ink", tmp_path)
 
 
 def test_members_of_packages_are_listed_after_the_houses(numbers, tmp_path):

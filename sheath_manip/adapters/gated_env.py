@@ -106,8 +106,7 @@ class GatedEnv(gymnasium.Wrapper):
             method=METHOD,
         )
         self._stepping = None
-        stage = Stage(self._stepped)  # pyright: ignore[reportArgumentType] - nobody looks back
-        stepping = Stepping(stage, Audience(()), Telling(self._info))
+        stepping = Stepping(Stage(self._stepped), Audience(()), Telling(self._info))
         stepping.begin(scene)
         # As in `rollout`: the policy's draws apart from the gate's.
         rng = generator(METHOD, scene)

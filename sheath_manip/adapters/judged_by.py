@@ -9,7 +9,6 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.making import make_gate
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
-from sheath_manip.learning.trying import require_works
 from sheath_manip.protocols import Gate, PredictingPolicy
 from sheath_manip.types import Observation, Proposal, TaskSpec
 
@@ -53,15 +52,12 @@ def judged_by(given: GateLike, spec: TaskSpec, looks: PredictingPolicy | None) -
     gate = make_gate(given)
     if given.signal is None:
         return JudgedBy(gate, looks)
-    if looks is None:
-        if _judges(given, spec, None) is None:
-            return JudgedBy(gate, None)
-        require_works(spec, given)
-        return JudgedBy(gate, given.policy)
-    fault = _judges(given, spec, looks)
-    if fault is not None:
-        raise ParameterError(f"the gate cannot judge what that policy sees: {fault}") from fault
-    return JudgedBy(gate, looks)
+    fault = None
+    for one in (None, given.policy) if looks is None else (looks,):
+        fault = _judges(given, spec, one)
+        if fault is None:
+            return JudgedBy(gate, one)
+    raise ParameterError(f"the gate cannot judge what that policy sees: {fault}") from fault
 
 
 def _judges(fitted: FittedGate, spec: TaskSpec, looks: PredictingPolicy | None) -> Exception | None:

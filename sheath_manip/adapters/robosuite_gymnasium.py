@@ -23,7 +23,7 @@ class RobosuiteGymnasium(gymnasium.Env):
         self.max_episode_steps = inner.horizon
         self.action_space = spaces.Box(*inner.action_spec, dtype=np.float64)
         # OpenGL's images stand on their heads.
-        from robosuite import macros
+        from robosuite import macros  # pyright: ignore[reportMissingImports]
 
         self._flips = macros.IMAGE_CONVENTION == "opengl"
         seen = self._taken(inner.observation_spec())

@@ -4,7 +4,6 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
 from sheath_manip.adapters.task_env import TaskEnv
 from sheath_manip.adapters.task_spaces import TaskSpaces
@@ -18,8 +17,6 @@ from sheath_manip.types import (
     TaskSpec,
     Transition,
 )
-
-NOTHING: NDArray[np.float64] = np.zeros(0)
 
 
 class HandedPolicy:
@@ -88,10 +85,6 @@ class SteppedEnvironment:
     def metrics(self) -> Any:
         """Return the episode's figures so far."""
         return self.inside.environment.metrics()
-
-    def state(self) -> NDArray[np.float64]:
-        """(0,): nothing is recorded here."""
-        return NOTHING
 
     def hold(self) -> None:
         """Let the environment bring its robot to rest, where it can."""

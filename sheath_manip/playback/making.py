@@ -13,7 +13,7 @@ from sheath_manip.playback.film import Film, film_of
 from sheath_manip.playback.frames import Pictures, frames, seen
 from sheath_manip.playback.page import html
 from sheath_manip.playback.video import mp4
-from sheath_manip.protocols import Environment, Viewable
+from sheath_manip.protocols import Environment, Viewable, require_restorable
 from sheath_manip.task import Task
 from sheath_manip.types import Episode, TaskSpec
 
@@ -115,11 +115,15 @@ def drawn(task: Task, environment: Environment, film: Film) -> Pictures | None:
     None where the task draws none, and where the film's moments cannot be returned to.
     """
     picture = task.picture
-    if picture is None or film.lacks or not isinstance(environment, Viewable):
+    if picture is None or not film.state(0).size:
         return None
+    # To look at a pose is less work than to observe.
+    take = environment.pose_at if isinstance(environment, Viewable) else None
+    if take is None:
+        take = require_restorable(environment, "pictures of recorded steps").restore
 
     def of_moment(moment: int) -> NDArray[np.uint8]:
-        environment.pose_at(film.state(moment))
+        take(film.state(moment))
         return picture(environment)
 
     return of_moment

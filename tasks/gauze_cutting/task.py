@@ -28,8 +28,8 @@ from sheath_manip.tasks.gauze_cutting.workpiece import Workpiece
 from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.tasks.robots.drive import TWIST_SCALE, RobotDrive
 from sheath_manip.tasks.robots.filtering import command_filter
-from sheath_manip.tasks.robots.placing import joints_for
 from sheath_manip.tasks.robots.kinematics import twist_control
+from sheath_manip.tasks.robots.placing import joints_for
 from sheath_manip.tasks.robots.robot import Robot
 from sheath_manip.types import Commanded, Line, Outcome, Surface
 

@@ -121,7 +121,8 @@ class GraspLaw:
         across = abs(float(way[0] * error[1] - way[1] * error[0]))
         depth = self.tip_m + state.target_height_m - grasp_m + error[2]
         room = self.closing.opening_m / 2 - state.target_radius_m
-        entered = _ramp(depth - 0.01 * self.shallow, 0.02 * self.shallow) * _ramp(room + 0.004 - along, 0.006)
+        in_depth = _ramp(depth - 0.01 * self.shallow, 0.02 * self.shallow)
+        entered = in_depth * _ramp(room + 0.004 - along, 0.006)
         return _Fit(
             error_m=error,
             along_m=along,

@@ -152,11 +152,11 @@ class GraspTask(SheathTask):
             if solvable(self._guide, scene, start):
                 self.lay(physics, scene, start)
                 return
-        lacks = said(self.scenario.robot)
+        remark = said(self.scenario.robot)
         raise ParameterError(
-            f"none of {_MOST_DRAWS} scenes can be solved by this robot{lacks and f'; {lacks}' or ''}; "
-            "wanted one that reaches targets 0.38 to 0.54 m away with its tool down, or the variant "
-            "easy"
+            f"none of {_MOST_DRAWS} scenes can be solved by this robot"
+            + ("" if remark is None else f": {remark}")
+            + "; wanted one that reaches 0.38 to 0.54 m far with its tool pointing down"
         )
 
     def lay(self, physics: mjcf.Physics, scene: Scene, start_rad: NDArray) -> None:

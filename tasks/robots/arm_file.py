@@ -17,18 +17,20 @@ class _Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     """A part of the file; what it does not know is a mistake in writing."""
 
 
-class Source(_Part):
+class Source(_Part, frozen=True):
     """A package that ships models."""
 
     package: str
     """as package registries call it"""
     folder: str
-    """that models' paths start from: an importable name, then folders, such as `robosuite/models`"""
+    """that models' paths start from: an importable name, then folders, as in `robosuite/models`"""
     install: str
     """what to type where it is missing"""
+    menagerie: bool = False
+    """whether mujoco_menagerie has the same files in the same places"""
 
 
-class ArmJoint(_Part):
+class ArmJoint(_Part, frozen=True):
     """A joint of the arm, with the servo that moves it."""
 
     name: str
@@ -45,7 +47,7 @@ class ArmJoint(_Part):
     """in the place of the model's"""
 
 
-class Mount(_Part):
+class Mount(_Part, frozen=True):
     """Where tools are fixed to the arm."""
 
     at: str
@@ -55,7 +57,7 @@ class Mount(_Part):
     across: Vector = (0.0, 1.0, 0.0)
 
 
-class Rectangle(_Part):
+class Rectangle(_Part, frozen=True):
     """What stands between objects when the gripper points down, around its approach."""
 
     half_along_m: float
@@ -63,7 +65,7 @@ class Rectangle(_Part):
     above_tool_m: float
 
 
-class Gripper(_Part):
+class Gripper(_Part, frozen=True):
     """What opens and closes; its model's own, or a part of the arm's."""
 
     body: str
@@ -101,7 +103,7 @@ class Gripper(_Part):
     """the wrist's camera in the frame of the tool: approach, across, and their product"""
 
 
-class ArmFile(_Part):
+class ArmFile(_Part, frozen=True):
     """An arm."""
 
     title: str
@@ -123,8 +125,9 @@ def read_arm(path: Path) -> ArmFile:
     try:
         told = tomllib.loads(path.read_text())
     except OSError as error:
-        raise ParameterError(f"no arm in {path}: {error.strerror}; wanted a file like those in "
-                             f"{FOLDER}") from error
+        raise ParameterError(
+            f"no arm in {path}: {error.strerror}; wanted a file like those in {FOLDER}"
+        ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ParameterError(f"{path} is no TOML: {error}") from error
     try:

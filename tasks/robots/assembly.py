@@ -1,5 +1,7 @@
 """Puts an arm together from its file: its model as it comes, servos, and a tool at its end."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -9,12 +11,13 @@ import mujoco
 import numpy as np
 from dm_control import mjcf
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, SheathError
 from sheath_manip.tasks.robots.arm_file import ArmFile, Vector, read_arm
-from sheath_manip.tasks.robots.fingers import add_gripper, open_positions
 from sheath_manip.tasks.robots.elements import found, inherited
+from sheath_manip.tasks.robots.fingers import add_gripper, open_positions
 from sheath_manip.tasks.robots.models import located
 from sheath_manip.tasks.robots.robot import ASSETS
+from sheath_manip.tasks.robots.thinning import thin
 
 _FROM_M = 0.001
 """links that are so close at home are so by their shapes, and are not to push each other"""
@@ -30,8 +33,9 @@ class ArmWithGripper:
 
     def __call__(self) -> mjcf.RootElement:
         """Return the arm as MJCF; raises ParameterError and SetupError."""
+        touching = _touching(self.path)
         root = _with_gripper(read_arm(self.path), self.path)
-        for first, second in _touching(self.path):
+        for first, second in touching:
             root.contact.add("exclude", body1=first, body2=second)
         return root
 
@@ -80,8 +84,9 @@ def _with_gripper(arm: ArmFile, path: Path) -> Any:
 def _arm(arm: ArmFile, path: Path) -> Any:
     """The arm without a tool, with servos like those of the project's own arm."""
     root = _as_it_comes(located(arm.arm, path.parent, arm.package), path.stem)
-    for body in root.worldbody.body:
-        body.pos = np.array(arm.base_m) + _vector(body.pos)
+    if any(arm.base_m):
+        for part in (*root.worldbody.body, *root.worldbody.geom):
+            part.pos = np.array(arm.base_m) + _vector(part.pos)
     for told in arm.joints:
         joint = found(root, "joint", told.name)
         if told.armature_kg_m2 is not None:
@@ -101,25 +106,24 @@ def _arm(arm: ArmFile, path: Path) -> Any:
 
 def _as_it_comes(path: Path, name: str) -> Any:
     """A model, without what belongs to the scene that it was drawn for."""
-    try:
+    with _said_in_a_line(f"{path} is no MJCF that can be read"):
         root: Any = mjcf.from_path(str(path))
-    except Exception as error:
-        line = " ".join(str(error).split())
-        raise ParameterError(f"{path} is no MJCF that can be read: {line}") from error
     root.model = name
     for kind in ("actuator", "sensor", "light", "camera"):
         for element in root.find_all(kind):
             element.remove()
     for part in (root.option, root.size, root.visual, root.statistic, root.keyframe):
         part.remove()
-    drawn = any(drawn_only(geom) for geom in root.find_all("geom"))
+    drawn = [geom for geom in root.find_all("geom") if drawn_only(geom)]
+    thin(root, drawn)
     for number, geom in enumerate(root.find_all("geom")):
-        geom.name = geom.name or f"{geom.parent.name or 'part'}_{number}"
+        geom.name = geom.name or f"{getattr(geom.parent, 'name', None) or 'part'}_{number}"
         if drawn and not drawn_only(geom):
             geom.group = _COLLIDING
     for site in root.find_all("site"):
         site.group = _SITES
-    for body in root.find_all("body"):
+    for number, body in enumerate(root.find_all("body")):
+        body.name = body.name or f"body_{number}"
         body.gravcomp = 1.0
     return root
 
@@ -135,8 +139,9 @@ def _mount(root: Any, arm: ArmFile) -> Any:
 def _touching(path: Path) -> tuple[tuple[str, str], ...]:
     """The bodies, by name, whose shapes meet where the arm waits with its gripper open."""
     arm = read_arm(path)
-    root = _with_gripper(arm, path)
-    physics = mjcf.Physics.from_mjcf_model(root)
+    with _said_in_a_line(f"the arm of {path} does not compile"):
+        root = _with_gripper(arm, path)
+        physics = mjcf.Physics.from_mjcf_model(root)
     model, data = physics.model.ptr, physics.data.ptr
     for joint in arm.joints:
         data.joint(joint.name).qpos = joint.home_rad
@@ -147,8 +152,22 @@ def _touching(path: Path) -> tuple[tuple[str, str], ...]:
     for contact in data.contact:
         if contact.dist < _FROM_M:
             bodies = model.geom_bodyid[contact.geom]
-            pairs.add(tuple(model.body(int(body)).name for body in sorted(bodies)))
+            first, second = sorted(int(body) for body in bodies)
+            # What is fixed to the world has no name to except it by.
+            if first > 0:
+                pairs.add((model.body(first).name, model.body(second).name))
     return tuple(sorted(pairs))
+
+
+@contextmanager
+def _said_in_a_line(what: str) -> Iterator[None]:
+    """Raise ParameterError for what dm_control and MuJoCo's compiler raise, of several kinds."""
+    try:
+        yield
+    except SheathError:
+        raise
+    except Exception as error:
+        raise ParameterError(f"{what}: {' '.join(str(error).split())}") from error
 
 
 def _vector(value: Vector | None) -> np.ndarray:

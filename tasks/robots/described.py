@@ -95,8 +95,11 @@ def _guarded(root: Any, told: ArmFile) -> Iterator[str]:
     arm_joints = {joint.name for joint in told.joints}
     for geom in root.find_all("geom"):
         bodies = list(_bodies_above(geom))
-        moved = sum(joint.full_identifier in arm_joints for body in bodies for joint in _joints(body))
-        wanted = bodies[0].name in told.guarded if told.guarded else moved >= _MOVED_BY
+        moved = sum(
+            joint.full_identifier in arm_joints for body in bodies for joint in _joints(body)
+        )
+        holder = getattr(bodies[0], "name", None) if bodies else None
+        wanted = holder in told.guarded if told.guarded else moved >= _MOVED_BY
         if wanted and not drawn_only(geom):
             yield geom.full_identifier
 

@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 
 from sheath_manip.tasks.robots.arm_file import Gripper
-from sheath_manip.tasks.robots.gripper import Measured
 from sheath_manip.tasks.robots.elements import found
+from sheath_manip.tasks.robots.gripper import Measured
 
-TOOL, CLOSING, CAMERA = "tool", "closing", "wrist"
+TOOL, CLOSING, CAMERA = "tool_of_file", "closing_of_file", "wrist"
+"""names; models have sites and tendons called `tool` and `closing` themselves"""
 _CLOSING_M_S = 0.3
 """that the gripper's target may move at, more than it is asked for"""
 _BEYOND_M = 0.01
@@ -34,7 +35,7 @@ def open_positions(gripper: Gripper, root: Any) -> dict[str, float]:
 
 
 def add_gripper(gripper: Gripper, root: Any) -> None:
-    """Make the gripper in `root` a tool; raises ParameterError where it lacks what its file says."""
+    """Make the gripper in `root` a tool; raises ParameterError for a part that it lacks."""
     _add_site_and_camera(gripper, root)
     joints = [found(root, "joint", name) for name in gripper.joints]
     signs = tuple(gripper.joints.values())

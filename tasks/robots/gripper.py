@@ -1,6 +1,8 @@
 """How far a gripper is closed, from where its joints stand."""
 
+import itertools
 from bisect import bisect_right
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -32,6 +34,9 @@ class Sliding:
         return closed_m
 
 
+SLIDING = Sliding()
+
+
 @dataclass(frozen=True)
 class Measured:
     """A coupling by measured points, straight between them and beyond: linkages and hinges."""
@@ -56,7 +61,7 @@ class Measured:
         return _along([(closed, coordinate) for coordinate, closed in self.points], closed_m)
 
 
-def _along(points: "tuple[tuple[float, float], ...] | list[tuple[float, float]]", x: float):
+def _along(points: Iterable[tuple[float, float]], x: float) -> float:
     """The value at `x` of straight lines through `points`."""
     rising = sorted(points)
     place = bisect_right([each for each, _ in rising], x)
@@ -64,6 +69,6 @@ def _along(points: "tuple[tuple[float, float], ...] | list[tuple[float, float]]"
     return low + (high - low) * (x - left) / (right - left)
 
 
-def _monotone(values: "tuple[float, ...]") -> bool:
-    steps = [after - before for before, after in zip(values, values[1:], strict=False)]
+def _monotone(values: Sequence[float]) -> bool:
+    steps = [after - before for before, after in itertools.pairwise(values)]
     return all(step > 0 for step in steps) or all(step < 0 for step in steps)

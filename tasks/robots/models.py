@@ -25,9 +25,9 @@ def located(model: str, beside: Path, source: Source | None) -> Path:
         if (folder / model).is_file():
             return folder / model
     looked = ", ".join(str(folder) for folder in folders)
-    ways = [f"set {MENAGERIE} to a checkout of mujoco_menagerie that has it"]
-    if source is not None:
-        ways.insert(0, f"install {source.package} with `{source.install}`")
+    ways = [] if source is None else [f"install {source.package} with `{source.install}`"]
+    if source is None or source.menagerie:
+        ways.append(f"set {MENAGERIE} to a checkout of mujoco_menagerie that has it")
     raise SetupError(f"no model {model} in {looked}; {', or '.join(ways)}")
 
 

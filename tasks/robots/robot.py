@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.assets import assets_of
-from sheath_manip.tasks.robots.gripper import Coupling, Sliding
+from sheath_manip.tasks.robots.gripper import SLIDING, Coupling
 
 ASSETS = assets_of("arm")
 
@@ -46,7 +46,7 @@ class RobotDescription:
     """whose sum tells how far it is closed"""
     closing_signs: tuple[float, ...] = (1.0, 1.0)
     """of the joints in that sum"""
-    coupling: Coupling = Sliding()
+    coupling: Coupling = SLIDING
     """from that sum to how far it is closed (m)"""
     opening_m: float = 0.0
     """of the gripper at its widest"""

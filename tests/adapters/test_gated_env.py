@@ -4,6 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 
+from sheath_manip.adapters.from_gymnasium import from_gymnasium
 from sheath_manip.adapters.gated_env import METHOD, GatedEnv
 from sheath_manip.adapters.to_gymnasium import to_gymnasium
 from sheath_manip.exceptions import AttemptError, ParameterError, UnknownNameError
@@ -193,6 +194,24 @@ def test_wrappers_in_between_have_their_say():
     assert [step[3] for step in steps] == [False, False, True]
     with pytest.raises(ParameterError, match="no episode is under way"):
         env.step(1)
+
+
+def lean(seen) -> int:
+    """What keeps a pole upright for a while: push to where it falls."""
+    return int(seen[2] + 0.2 * seen[3] > 0)
+
+
+def test_an_environment_of_another_package_comes_in_and_goes_out_again():
+    task = from_gymnasium("CartPole-v1", expert=lean, control_rate_hz=50)
+    env, plain = GatedEnv(to_gymnasium(task), Says(POLICY, EXPERT)), gymnasium.make("CartPole-v1")
+    seen, _ = env.reset(seed=6)
+    wanted, _ = plain.reset(seed=6)
+    for step in range(10):
+        assert np.array_equal(seen, wanted)
+        by_expert = lean(wanted)
+        seen, _, _, _, told = env.step(0)
+        assert told["executed"] == (by_expert if step % 2 else 0)
+        wanted, *_ = plain.step(told["executed"])
 
 
 def test_scenes_are_those_of_the_environment_inside():

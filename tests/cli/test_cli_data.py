@@ -181,7 +181,7 @@ class TestExchange:
     def test_import_of_what_lerobot_wrote(self, sheath, complaint, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         file = ("data", "import", SETS / "lerobot-v3.0", "store", "--format", "lerobot")
-        assert "does not tell its task, or several; give --task" in complaint(*file)
+        assert "does not tell one task; give --task" in complaint(*file)
         code, out, err = sheath(*file, "--task", "cubes", "--outcome", "failure")
         assert (code, err) == (0, "")
         lines = " ".join(out.split())

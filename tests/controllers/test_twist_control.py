@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 from sheath_manip.tasks.robots.kinematics import twist_control
+from sheath_manip.tasks.robots.own_arm import ARM_WITH_JAW
 
 TIMESTEP_S = 0.05
 HOME = np.array(ARM_WITH_JAW.home_rad)

@@ -20,18 +20,26 @@ PAGES = {
 NOT_RUN = {
     r"make ": "CI runs `make test`; tests/cli/test_cli_first_steps.py has `make demo`",
     r"\. \.venv/bin/activate": "the tests run in that environment already",
-    r"pip wheel": "tests/wheel",
+    r"pip (wheel|install) ": "tests/wheel",
     r"python examples/": "tests/test_examples.py",
     r"export AWS_|.*s3://": "wants a server: tests/dataset/test_remote.py has one",
-    r"sheath data import (pusht|low_dim)": "files of other projects; "
+    r"sheath data import (pusht|low_dim|lerobot/|D4RL/)": "files of other projects; "
     "tests/dataset/exchange has such files",
     r"sheath (run|learn|teleop) .*(--expert person|by-hand)": "waits for a person: tests/cockpit",
     r"sheath replay \S+$": "serves a page until Ctrl-C: tests/dashboard",
     r"sheath experiment": "takes an hour: tests/experiments",
+    r"sheath learn fetch": "results/outside: tools/outside learns it in a venv of its own",
     r"pip install -e tests/guest_package|sheath learn slide": "tests/test_guest_package.py "
     "installs that package and learns its task",
 }
 """shell lines, by their beginning, that no test runs as they stand, and why"""
+FILES_NOT_RUN = {
+    "docs/your-environment.md": (
+        "tools/outside/fetch.py: wants gymnasium-robotics and an older MuJoCo, and results/outside",
+        "tools/outside/lift.py: wants robosuite and an older MuJoCo, and results/outside",
+    )
+}
+"""files that a page shows and no test runs, and why; what a page shows is the file"""
 SECONDS = 400
 
 
@@ -83,6 +91,12 @@ def shell_lines(block: Block) -> Iterator[str]:
 def reason_not_to_run(command: str) -> str | None:
     """Return why no test runs this command; None where one does."""
     return next((why for start, why in NOT_RUN.items() if re.match(start, command)), None)
+
+
+def shows_a_file(block: Block) -> bool:
+    """Whether a block is one of `FILES_NOT_RUN`, to the letter."""
+    files = (line.partition(":")[0] for line in FILES_NOT_RUN.get(block.page, ()))
+    return block.text in [(ROOT / file).read_text() for file in files]
 
 
 def run_shell(block: Block, place: Path) -> None:

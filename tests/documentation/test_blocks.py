@@ -11,6 +11,7 @@ import pytest
 from sheath_manip.cli.entry import VERBS, read_line
 from sheath_manip.cli.examples import EXAMPLES
 from tests.documentation.blocks import (
+    FILES_NOT_RUN,
     NOT_RUN,
     PAGES,
     ROOT,
@@ -20,6 +21,7 @@ from tests.documentation.blocks import (
     run_python,
     run_shell,
     shell_lines,
+    shows_a_file,
 )
 from tests.toy import CATALOG
 from tools.docs.commands import help_of
@@ -78,8 +80,13 @@ def test_the_list_of_what_is_not_run_is_short_and_holds_nothing_in_vain():
 def test_python_runs_as_it_stands(page, monkeypatch, tmp_path):
     names = _module(monkeypatch, tmp_path)
     for block in blocks(page):
-        if block.language == "python":
+        if block.language == "python" and not shows_a_file(block):
             run_python(block, names)
+
+
+def test_a_file_that_is_not_run_is_shown_as_it_is():
+    for page, lines in FILES_NOT_RUN.items():
+        assert sum(map(shows_a_file, blocks(page))) == len(lines)
 
 
 @pytest.mark.soak
@@ -94,7 +101,7 @@ def test_a_page_runs_from_its_first_line_to_its_last(page, monkeypatch, tmp_path
     for block in blocks(page):
         if block.language == "sh":
             run_shell(block, tmp_path)
-        elif block.language == "python":
+        elif block.language == "python" and not shows_a_file(block):
             run_python(block, names)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.documentation.blocks import PAGES, ROOT, blocks
-from tools.docs.numbers import failing_rounds, more, rate, takeovers_a_minute, with_interval
+from tools.docs.numbers import ended, failing_rounds, more, rate, takeovers_a_minute, with_interval
 from tools.docs.pages import pages
 from tools.make_docs import main
 
@@ -56,7 +56,9 @@ def test_another_number_in_a_summary_is_another_number_on_the_pages(tmp_path):
 
 
 def test_every_result_has_its_page_and_every_page_its_result():
-    results = {path.parent.name for path in ROOT.glob("results/*/summary.json")}
+    results = {
+        path.relative_to(ROOT / "results").parts[0] for path in ROOT.glob("results/**/summary.json")
+    }
     shown = {path.stem for path in (ROOT / "docs" / "results").glob("*.md")} - {"index"}
     # The recipe stands on the page of its task.
     assert results - {"grasp-clutter-recipe"} == shown
@@ -65,6 +67,9 @@ def test_every_result_has_its_page_and_every_page_its_result():
 def test_numbers_are_shown_with_intervals_and_no_more_decimals_than_they_bear():
     figures = {"failure_rate": 0.0052083, "ci95": {"failure_rate": (0.00092, 0.0289)}}
     assert rate(figures) == "0.5 % (0.1–2.9)"
+    ways = {"episodes": 50, "failure_rate": 0.1, "success_rate": 0.7}
+    ways |= {"ci95": {"failure_rate": (0.04, 0.21), "success_rate": (0.56, 0.81)}}
+    assert ended(ways) == "70 % (56–81) | 10 % (4–21) | 20 % (11–33)"
     assert with_interval(-0.0, (0.0, 17.2), " %") == "0 % (0–17)"
     assert more({"mean": -35.2, "ci95": (-42.0, 0.4)}) == "−35 (−42 … +0)"
 

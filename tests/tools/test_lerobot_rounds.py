@@ -1,9 +1,14 @@
 """What LeRobot is given to learn of our episodes, and what of the rounds counts as shown."""
 
+import sys
+
 import pytest
 
+from sheath_manip.exceptions import ParameterError
 from tests.episodes import episode_of
+from tools.lerobot.__main__ import main
 from tools.lerobot.bars import METHODS, bars
+from tools.lerobot.plan import QUICK, Plan, claim
 from tools.lerobot.sets import parts
 
 
@@ -64,3 +69,21 @@ def test_each_count_of_the_start_has_its_bar(name, worse):
     start = results()["start"]
     held = bars({"start": start | {name: worse}, "methods": {}})
     assert list(held.values()).count(False) == 1
+
+
+def test_a_folder_belongs_to_one_plan(tmp_path):
+    claim(tmp_path / "runs", QUICK)
+    claim(tmp_path / "runs", QUICK)
+    with pytest.raises(ParameterError, match="another plan"):
+        claim(tmp_path / "runs", Plan())
+
+
+def test_without_lerobot_it_says_what_to_install(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "lerobot", None)
+    # It tells LeRobot to ask no hub.
+    monkeypatch.setattr("os.environ", {})
+    assert main(["--runs", str(tmp_path), "--results", str(tmp_path / "results.json")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "pip install 'sheath-manip[lerobot]'" in said
+    assert not list(tmp_path.iterdir())

@@ -18,6 +18,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 NOTE = "<!-- Made by `python -m tools.make_docs` from {source}; change that. -->\n"
 NUMBERS = (
     numbers.auroc,
+    numbers.ended,
     numbers.failing_rounds,
     numbers.hits,
     numbers.mean,
@@ -35,7 +36,7 @@ def pages(results: Path = ROOT / "results") -> Iterator[tuple[str, str]]:
     """Yield each page that is made: its path below the checkout, and its text.
 
     Args:
-        results: the experiments' results, one folder with a `summary.json` each, and the benches.
+        results: the experiments' results, a folder with a `summary.json` each, and the benches.
     """
     known = _results(results)
     templates = _environment()
@@ -53,6 +54,11 @@ def span(summary: dict[str, Any], term: str, scale: float = 1) -> str:
     return f"{min(values):.0f} to {max(values):.0f}"
 
 
+def arm_file(name: str) -> str:
+    """Return the text of an arm's file, as assets/robots has it."""
+    return (ROOT / "assets" / "robots" / f"{name}.toml").read_text()
+
+
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -64,13 +70,16 @@ def _environment() -> jinja2.Environment:
         autoescape=False,
     )
     environment.globals |= {function.__name__: function for function in NUMBERS}
-    environment.globals |= {"theory_table": theory_table, "span": span}
+    environment.globals |= {"theory_table": theory_table, "span": span, "arm_file": arm_file}
     return environment
 
 
 def _results(results: Path) -> dict[str, Any]:
-    """Every result by its name as a template writes it: `grasp_clutter`, `bench_data`."""
-    files = {path.parent.name: path for path in results.glob("*/summary.json")}
+    """Every result by its name in a template: `grasp_clutter`, `outside_fetch`, `bench_data`."""
+    files = {
+        "-".join(path.parent.relative_to(results).parts): path
+        for path in results.glob("**/summary.json")
+    }
     files |= {path.stem: path for path in results.glob("*.json")}
     return {
         name.replace("-", "_"): upgraded(json.loads(path.read_text()))

@@ -2,36 +2,31 @@
 
     python -m tools.lerobot --runs RUNS [--results results/outside/lerobot-act.json] [--quick]
 
-in a venv with LeRobot 0.4, such as `python -m tools.foreign_readers VENVS --readers lerobot` makes.
-What is done is kept in RUNS, and a second call goes on from there.
+in a venv with LeRobot 0.4 and the extra `tasks` of this project. What is done is kept in RUNS, and
+a second call goes on from there. Results are written after each stage; the exit code is 1 where a
+bar is missed.
 """
 
 import argparse
 import logging
 import os
+import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-# Before anything asks for them: nothing is to be fetched, and no bar to be drawn into a log.
-os.environ |= {"HF_HUB_OFFLINE": "1", "TQDM_DISABLE": "1", "HF_DATASETS_DISABLE_PROGRESS_BARS": "1"}
-
-import torch
-
-import tools.readers.declare_torchvision  # noqa: F401
+from sheath_manip.dataset.extras import needs
+from sheath_manip.exceptions import SheathError
 from sheath_manip.files.json_files import plain, write_json
 from tools.lerobot.bars import bars
-from tools.lerobot.rounds import Plan, Run
-
-QUICK = Plan(
-    demonstrations=3, calibration=3, fresh=3, rounds=1, episodes=2, steps=60, final=3, judged=1
-)
+from tools.lerobot.plan import QUICK, Plan
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run from the command line; the exit code is 1 where a bar is missed."""
+    """Run from the command line; 2 where LeRobot is not there, or RUNS is another plan's."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -39,36 +34,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--results", type=Path, default=Path("results", "outside", "lerobot-act.json")
     )
-    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
         "--quick", action="store_true", help="a minute's worth, which shows nothing"
     )
     options = parser.parse_args(arguments)
-    plan = replace(QUICK if options.quick else Plan(), seed=options.seed)
-    folder = options.runs / f"{'quick' if options.quick else plan.variant}-s{plan.seed}"
-    folder.mkdir(parents=True, exist_ok=True)
-    torch.set_num_threads(1)
-    begin = time.perf_counter()
-
-    def say(line: str) -> None:
-        print(f"[{time.perf_counter() - begin:6.0f} s] {line}", flush=True)
-
-    logging.disable(logging.INFO)
-    options.results.parent.mkdir(parents=True, exist_ok=True)
-    held: dict[str, bool] = {}
-    for results in Run(plan, folder, say).stages():
-        held = bars(results)
-        content = {"versions": versions(), "plan": asdict(plan), **results, "bars": held}
-        write_json(options.results, plain(content))
+    try:
+        held = run(QUICK if options.quick else Plan(), options.runs, options.results)
+    except SheathError as error:
+        print(error, file=sys.stderr)
+        return 2
     for bar, holds in held.items():
         print(f"{'holds ' if holds else 'MISSED'} {bar}")
     return 0 if all(held.values()) else 1
 
 
-def versions() -> dict[str, str]:
-    """Return what it was run with."""
-    return {name: version(name) for name in ("lerobot", "torch", "mujoco")}
+def run(plan: Plan, folder: Path, path: Path) -> dict[str, bool]:
+    """Run all stages, those that are done left out, and return which bars hold.
+
+    Raises SetupError where LeRobot is not there, and ParameterError for a folder of another plan.
+    """
+    # Nothing is to be fetched, and no bar drawn for each episode that is written.
+    os.environ |= {"HF_HUB_OFFLINE": "1", "HF_DATASETS_DISABLE_PROGRESS_BARS": "1"}
+    with needs("lerobot", "lerobot"):
+        import_module("lerobot")
+        import_module("tools.readers.declare_torchvision")
+    import torch
+
+    from tools.lerobot.rounds import Run
+
+    torch.set_num_threads(1)
+    logging.disable(logging.INFO)
+    begin = time.perf_counter()
+
+    def say(line: str) -> None:
+        print(f"[{time.perf_counter() - begin:6.0f} s] {line}", flush=True)
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    versions = {name: version(name) for name in ("lerobot", "torch", "mujoco")}
+    held: dict[str, bool] = {}
+    for results in Run(plan, folder, say).stages():
+        held = bars(results)
+        content = {"versions": versions, "plan": asdict(plan), **results, "bars": held}
+        write_json(path, plain(content))
+    return held
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from tools.lerobot.bars import METHODS
 from tools.lerobot.gates import FALSE_ALARM_RATE, false_alarms, fitted_gate
 from tools.lerobot.measuring import judged_as_given, passes_alone, told_of
 from tools.lerobot.own_loop import own_episodes
+from tools.lerobot.plan import Plan, claim
 from tools.lerobot.scenes import Scenes
 from tools.lerobot.sets import join_sets, write_set
 from tools.lerobot.training import CHUNK, POLICY, train_act
@@ -28,26 +28,12 @@ FRESH = 90
 """number of a round that there is none of, whose scenes are for demonstrations that are fresh"""
 
 
-@dataclass(frozen=True)
-class Plan:
-    """How much of everything."""
-
-    variant: str = "easy"
-    demonstrations: int = 20
-    calibration: int = 20
-    fresh: int = 40
-    rounds: int = 2
-    episodes: int = 12
-    steps: int = 2000
-    final: int = 40
-    judged: int = 5
-    seed: int = 0
-
-
 class Run:
     """One seed's run; what is done already is read from its folder."""
 
     def __init__(self, plan: Plan, folder: Path, say: Callable[[str], None]) -> None:
+        """Begin or go on; raises ParameterError where `folder` is another plan's."""
+        claim(folder, plan)
         self.plan, self.folder, self.say = plan, folder, say
         self.scenes = Scenes(plan.variant, plan.seed)
         self.demonstrations = self.scenes.shown(Purpose.DEMONSTRATION, plan.demonstrations)

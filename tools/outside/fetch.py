@@ -44,7 +44,6 @@ FETCH = from_gymnasium(
     name="fetch-pick-and-place",
     summary="pick up a cube and bring it to a goal, on the table or in the air",
     expert=pick_and_place,
-    success_steps=5,
     rest=[0, 0, 0, 0],
     tool="robot0:grip",
 )

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from sheath_manip.adapters.from_robosuite import from_robosuite
+
 ABOVE_M, NEAR_M = 0.06, 0.012
 """how far above the cube the hand comes, and within what it is there"""
 OPEN_M, STILL_M_PER_S = 0.068, 0.01
@@ -20,3 +22,16 @@ def lift(seen):
     if np.linalg.norm(to_cube[:2]) > NEAR_M:
         to_cube[2] += ABOVE_M
     return np.concatenate([np.clip(15 * to_cube, -1, 1), [0, 0, 0, -1.0]])
+
+
+LIFT = from_robosuite(
+    "Lift",
+    settings={"robots": "Panda", "horizon": 60},
+    summary="lift a cube off the table",
+    expert=lift,
+    leave_out=[
+        *("cube_quat", "robot0_eef_quat", "robot0_eef_quat_site", "robot0_gripper_qvel"),
+        *("robot0_joint_pos", "robot0_joint_pos_cos", "robot0_joint_pos_sin", "robot0_joint_vel"),
+    ],
+    rest=[0, 0, 0, 0, 0, 0, 0],
+)

@@ -19,7 +19,7 @@ from sheath_manip.dataset.exchange.formats import located, open_file
 from sheath_manip.dataset.exchange.importing import Imported, Origin, import_episodes, staging_of
 from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError, SheathError, StoreError
+from sheath_manip.exceptions import ParameterError, SetupError, SheathError, StoreError
 
 GRACE_S = 10.0
 """for the start of the process"""
@@ -61,10 +61,12 @@ def import_apart(format: str, path: Path, store: Path, origin: Origin | None) ->
         )
     told = json.loads(answer)
     if "error" in told:
-        raise (ParameterError if told["parameter"] else StoreError)(told["error"])
+        raise ERRORS[told["kind"]](told["error"])
     return Imported(**{**told, "remarks": tuple(told["remarks"])})
 
 
+ERRORS = {kind.__name__: kind for kind in (ParameterError, SetupError, StoreError)}
+"""as what the process may say that it failed"""
 MEMORY_TIMES = 4
 """as much as an episode may take: it is decoded, joined and compressed"""
 MEMORY_BYTES = 4 << 30
@@ -79,7 +81,8 @@ def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
         file = open_file(format, path)
         told = asdict(import_episodes(file, EpisodeStore.create(store), origin))
     except SheathError as error:
-        told = {"error": str(error), "parameter": isinstance(error, ParameterError)}
+        kinds = (name for name, kind in ERRORS.items() if isinstance(error, kind))
+        told = {"error": str(error), "kind": next(kinds, StoreError.__name__)}
     answers.write(json.dumps(told).encode())
     answers.flush()
 

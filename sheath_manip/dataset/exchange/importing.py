@@ -178,12 +178,11 @@ def _completed(file: ForeignFile, info: EpisodeInfo) -> EpisodeInfo:
             f"give --control-rate-hz {said_hz:g}"
         )
     if not task or rate_hz is None:
-        untold = {"task": not task, "control rate": rate_hz is None}
-        words = [word for word, missing in untold.items() if missing]
-        options = [f"--{word.replace(' ', '-')}{'-hz' * (word != 'task')}" for word in words]
+        wanted = {} if task else {"one task": "--task"}
+        wanted |= {} if rate_hz else {"its control rate": "--control-rate-hz"}
         raise ParameterError(
-            f"another tool wrote this file, which does not tell its {' and its '.join(words)}, or "
-            f"several; give {' and '.join(options)}, and --keys for what it calls otherwise"
+            f"another tool wrote this file, which does not tell {' and '.join(wanted)}; give "
+            f"{' and '.join(wanted.values())}, and --keys for what it calls otherwise"
         )
     if not is_rate(rate_hz):
         raise StoreError(

@@ -175,8 +175,9 @@ def _as_ours(ours: str, parts: list[NDArray], theirs: tuple[str, ...]) -> NDArra
             raise StoreError(
                 f"{', '.join(theirs)} is {image.shape}; wanted one key of images (T, h, w, 3)"
             )
-        whole = image.astype(np.uint8)
-        if not np.array_equal(whole, image):
+        # A film of bytes is large, and needs no copy.
+        whole = image.astype(np.uint8, copy=False)
+        if image.dtype != np.uint8 and not np.array_equal(whole, image):
             raise StoreError(
                 f"{theirs[0]} is {image.dtype} and not in whole numbers 0 .. 255; "
                 "wanted RGB in bytes"

@@ -64,6 +64,16 @@ def test_what_ends_or_holds_up_the_process_is_told(
     assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
 
 
+def test_more_memory_than_a_file_may_take_is_told(buffer, store, monkeypatch) -> None:
+    no_more = "from sheath_manip.dataset.exchange import apart; apart.MEMORY_BYTES = -1 << 28; "
+    serves = "apart.MEMORY_TIMES = 1; apart.serve(sys.stdin.buffer, sys.stdout.buffer)"
+    paths = "import sys; sys.path[:] = sys.argv[1:]; "
+    monkeypatch.setattr(apart, "_CODE", paths + no_more + serves)
+    with pytest.raises(StoreError, match="nothing is imported"):
+        import_apart("replay-buffer", buffer, store.path, ORIGIN)
+    assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
+
+
 def test_reading_ends_when_its_time_is_up(buffer, monkeypatch) -> None:
     monkeypatch.setattr(limits, "LEAST_S", -1.0)
     with pytest.raises(StoreError, match=r"reading .*b\.zarr takes longer than"):

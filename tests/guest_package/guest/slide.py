@@ -3,7 +3,7 @@
 import numpy as np
 
 from sheath_manip.task import Task
-from sheath_manip.types import ActionSpec, Observation, Outcome, ScenePose, TaskSpec, Transition
+from sheath_manip.types import ActionSpec, Observation, Outcome, TaskSpec, Transition
 
 SPEC = TaskSpec(
     name="slide",
@@ -52,19 +52,6 @@ class Slide:
         """Continue from there."""
         self._offset_m, self._steps = float(state[0]), int(state[1])
         return self._seen()
-
-    def scene(self) -> list:
-        """Nothing to see."""
-        return []
-
-    def pose(self) -> ScenePose:
-        """No body stands anywhere."""
-        return ScenePose(np.zeros((0, 7)))
-
-    def pose_at(self, state: np.ndarray) -> ScenePose:
-        """The same at any time."""
-        self.restore(state)
-        return self.pose()
 
     def close(self) -> None:
         """Nothing to free."""
