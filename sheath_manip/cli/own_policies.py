@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.cli.own_modules import module_at
-from sheath_manip.exceptions import RegistrationError, SetupError, UnknownNameError
+from sheath_manip.exceptions import RegistrationError, SetupError, SheathError, UnknownNameError
 from sheath_manip.protocols import PredictingPolicy
 from sheath_manip.types import ActionSpec
 
@@ -43,15 +43,22 @@ def policy_named(name: str, action: ActionSpec | None = None) -> PredictingPolic
 def _of_lerobot(directory: str) -> PredictingPolicy:
     try:
         # Only now: it wants a package that few have.
-        from sheath_manip.adapters.lerobot import (  # pyright: ignore[reportMissingImports]
-            load_policy,
-        )
+        from sheath_manip.adapters.lerobot import load_policy
     except ImportError as error:
         raise SetupError(
             f"LeRobot's policies want the package lerobot ({error}); install it with "
             "`pip install 'sheath-manip[lerobot]'`"
         ) from error
-    return load_policy(Path(directory))
+    try:
+        return load_policy(Path(directory))
+    except SheathError:
+        raise
+    except Exception as error:
+        # Packages that do not belong together fail in ways of their own while they are imported.
+        reason = " ".join(str(error).split())[:300]
+        raise RegistrationError(
+            f"LeRobot cannot load {directory} ({type(error).__name__}: {reason})"
+        ) from error
 
 
 def _as_policy(name: str, found: Any, action: ActionSpec | None) -> PredictingPolicy:
