@@ -15,9 +15,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import IO
 
-from sheath_manip.dataset.exchange.formats import located, open_file
+from sheath_manip.dataset.exchange.formats import limits_of, located, open_file
 from sheath_manip.dataset.exchange.importing import Imported, Origin, import_episodes, staging_of
-from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SetupError, SheathError, StoreError
 
@@ -44,7 +43,7 @@ def import_apart(format: str, path: Path, store: Path, origin: Origin | None) ->
     in the time that the file's size allows.
     """
     path = located(format, path)
-    most_s = TIMES_AS_LONG * Limits(path, stored_bytes(path)).most_s + GRACE_S
+    most_s = TIMES_AS_LONG * limits_of(format, path).most_s + GRACE_S
     with _process(store) as process:
         request = pickle.dumps((format, path, store, origin))
         try:
@@ -77,7 +76,7 @@ def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
     """Do one import, and say what came of it."""
     format, path, store, origin = pickle.load(requests)
     try:
-        _bound_memory(path)
+        _bound_memory(limits_of(format, path).most_bytes)
         file = open_file(format, path)
         told = asdict(import_episodes(file, EpisodeStore.create(store), origin))
     except SheathError as error:
@@ -87,14 +86,14 @@ def serve(requests: IO[bytes], answers: IO[bytes]) -> None:
     answers.flush()
 
 
-def _bound_memory(path: Path) -> None:
-    """Refuse what Parquet, films and images ask for beyond what a file of that size may."""
+def _bound_memory(episode_bytes: int) -> None:
+    """Refuse what Parquet, films and images ask for beyond what an episode may take."""
     if sys.platform == "win32":
         # It has no such bound.
         return
     import resource
 
-    most_bytes = MEMORY_BYTES + MEMORY_TIMES * Limits(path, stored_bytes(path)).most_bytes
+    most_bytes = MEMORY_BYTES + MEMORY_TIMES * episode_bytes
     _, hard_bytes = resource.getrlimit(resource.RLIMIT_DATA)
     if hard_bytes == resource.RLIM_INFINITY or most_bytes < hard_bytes:
         resource.setrlimit(resource.RLIMIT_DATA, (most_bytes, hard_bytes))

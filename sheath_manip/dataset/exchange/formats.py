@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, Self, runtime_checkable
 
+from sheath_manip.dataset.exchange.limits import MOST_TIMES_LARGER, Limits, stored_bytes
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track
 from sheath_manip.dataset.recorded import Recorded
@@ -86,6 +87,8 @@ class Format:
     """from the path, StoreError where it is no such file; None where nothing is read of it"""
     locate: Callable[[Path], Path] = Path
     """from a path, or the name of what the format's own tool keeps, to where that lies"""
+    times_larger: int = MOST_TIMES_LARGER
+    """as its bytes an episode may be in memory"""
 
 
 _HERE = "sheath_manip.dataset.exchange"
@@ -113,6 +116,11 @@ def writer_of(name: str) -> Writer:
     if write is None:
         raise ParameterError(f"nothing is written as {name}; wanted a format such as robomimic")
     return write
+
+
+def limits_of(name: str, path: Path) -> Limits:
+    """Return what reading a file of the format may take; raises StoreError where there is none."""
+    return Limits(path, stored_bytes(path), FORMATS[name].times_larger)
 
 
 def located(name: str, path: Path) -> Path:

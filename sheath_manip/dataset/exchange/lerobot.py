@@ -19,6 +19,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sheath_manip.dataset.exchange.formats import ForeignFile, Format
+from sheath_manip.dataset.exchange.limits import FILM_TIMES_LARGER
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.recorded import Recorded
 
@@ -46,4 +47,4 @@ def _open(path: Path) -> ForeignFile:
     return LeRobotDirectory(path)
 
 
-FORMAT = Format(_write, _open)
+FORMAT = Format(_write, _open, times_larger=FILM_TIMES_LARGER)

@@ -19,7 +19,7 @@ from sheath_manip.dataset.exchange.lerobot_index import (
     Feature,
     read_index,
 )
-from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
+from sheath_manip.dataset.exchange.limits import FILM_TIMES_LARGER, Limits, stored_bytes
 from sheath_manip.dataset.exchange.parquet import MOST_ITEM_BYTES, Parquet
 from sheath_manip.dataset.exchange.plain_tree import FolderTree, read_json
 from sheath_manip.dataset.exchange.stored_images import decoded
@@ -41,7 +41,7 @@ class LeRobotDirectory:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._limits = Limits(path, stored_bytes(path))
+        self._limits = Limits(path, stored_bytes(path), FILM_TIMES_LARGER)
         with self._reading(WANTED):
             if not path.is_dir():
                 raise StoreError("it is no directory")

@@ -13,6 +13,9 @@ SLACK_BYTES = 256 << 20
 MOST_TIMES_LARGER = 200
 """An episode may take `SLACK_BYTES` of memory, and so many times the bytes of the whole file on
 top. Black images compress better than that, and are worth nothing."""
+FILM_TIMES_LARGER = 2000
+"""the same of a folder with films, where a still scene takes next to nothing: 10 s of two cameras
+of 640 x 480 pixels were 670 times as large as their films"""
 LEAST_S = 60.0
 LEAST_BYTES_PER_S = 1e6
 """Reading a file may take `LEAST_S`, and the time that its bytes take at this rate on top."""
@@ -36,11 +39,15 @@ def stored_bytes(path: Path) -> int:
 class Limits:
     """The limits of one file, or folder; the time runs while it is read."""
 
-    def __init__(self, path: Path, stored_bytes: int) -> None:
-        """Begin for what lies at `path` and has so many bytes."""
+    def __init__(
+        self, path: Path, stored_bytes: int, times_larger: int = MOST_TIMES_LARGER
+    ) -> None:
+        """Begin for what lies at `path`, has so many bytes and may be so many times larger."""
         self.path = path
-        self.most_bytes = SLACK_BYTES + MOST_TIMES_LARGER * stored_bytes
-        self.most_s = LEAST_S + stored_bytes / LEAST_BYTES_PER_S
+        self.most_bytes = SLACK_BYTES + times_larger * stored_bytes
+        # What unpacks to more takes as much longer.
+        times = times_larger / MOST_TIMES_LARGER
+        self.most_s = LEAST_S + times * stored_bytes / LEAST_BYTES_PER_S
         self._spent_s = 0.0
         self._since_s: float | None = None
 

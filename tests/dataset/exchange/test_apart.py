@@ -69,6 +69,9 @@ def test_more_memory_than_a_file_may_take_is_told(buffer, store, monkeypatch) ->
     serves = "apart.MEMORY_TIMES = 1; apart.serve(sys.stdin.buffer, sys.stdout.buffer)"
     paths = "import sys; sys.path[:] = sys.argv[1:]; "
     monkeypatch.setattr(apart, "_CODE", paths + no_more + serves)
+    # 64 MB an episode, and next to nothing on the disk.
+    root = zarr.open_group(buffer, mode="r+")
+    root.create_array("data/pos", data=np.zeros((4, 4_000_000)), overwrite=True)
     with pytest.raises(StoreError, match="nothing is imported"):
         import_apart("replay-buffer", buffer, store.path, ORIGIN)
     assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
