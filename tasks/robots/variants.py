@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 from sheath_manip.protocols import Environment
@@ -55,5 +55,11 @@ class ArmVariants(Mapping[str, Callable[[], Environment]]):
     def _made(self, scenario: str, arm: str) -> Environment:
         robot = self.arms[arm] if arm in self.arms else self.arm(arm)
         if remark := said(robot):
-            logger.warning("%s: %s", arm, remark)
+            _say(f"{arm}: {remark}")
         return self.make(replace(self.scenarios[scenario], robot=robot))
+
+
+@cache
+def _say(line: str) -> None:
+    """Once is enough: a run makes its environment more than once."""
+    logger.warning("%s", line)

@@ -112,7 +112,9 @@ def test_the_knife_waits_straight_down_over_the_sheet(tmp_path: Path) -> None:
     np.testing.assert_allclose(pose[:3, 0], [0.0, 0.0, -1.0], atol=1e-3)
 
 
-def test_an_arm_of_five_joints_says_what_it_lacks(tmp_path: Path) -> None:
+def test_an_arm_of_five_joints_says_what_it_lacks(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     assert lacking(ARM_WITH_JAW) == ()
     assert said(ARM_WITH_JAW) is None
     robot = arm_with_gripper(str(written(tmp_path, OWN, "wrist_yaw")))
@@ -122,6 +124,10 @@ def test_an_arm_of_five_joints_says_what_it_lacks(tmp_path: Path) -> None:
     assert line is not None
     assert "5 joints" in line
     assert "cannot turn about x" in line
+    path = tmp_path / "arm.toml"
+    for _ in range(2):
+        GAUZE_CUTTING.make(f"calm@{path}").close()
+    assert [each for each in caplog.messages if line in each] == [f"{path}: {line}"]
 
 
 @pytest.mark.parametrize(
