@@ -14,35 +14,21 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.exchange import importing
 from sheath_manip.dataset.exchange.formats import open_file
-from sheath_manip.dataset.exchange.importing import NOTHING_TOLD, Origin, import_episodes
+from sheath_manip.dataset.exchange.importing import Origin, import_episodes
 from sheath_manip.dataset.exchange.key_map import KeyMap
-from sheath_manip.dataset.exchange.sources import import_data
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SheathError, StoreError
 from sheath_manip.policies import make_policy
 from sheath_manip.support import make_support
 from sheath_manip.types import ActionSpec, EpisodeInfo, Outcome, Purpose, TaskSpec
 from sheath_manip.types.samples import samples_from
+from tests.dataset.exchange.conftest import LENGTHS
 
 INFO = EpisodeInfo("push", 0, Purpose.DEMONSTRATION, 10.0, method="pusht")
-LENGTHS = (4, 6)
-STEPS = sum(LENGTHS)
 
 
 def origin(*keys: str) -> Origin:
     return Origin(INFO, Outcome.SUCCESS, KeyMap.parse(keys))
-
-
-@pytest.fixture
-def arrays() -> dict[str, np.ndarray]:
-    rng = np.random.default_rng(0)
-    return {
-        # As diffusion_policy's own PushT file has them: bytes told as floats.
-        "img": rng.integers(0, 256, (STEPS, 6, 6, 3)).astype(np.float32),
-        "state": rng.normal(size=(STEPS, 5)).astype(np.float32),
-        "action": rng.normal(size=(STEPS, 2)).astype(np.float32),
-        "keypoint": rng.normal(size=(STEPS, 3, 2)),
-    }
 
 
 @pytest.fixture
@@ -183,73 +169,10 @@ def test_a_rate_that_the_file_says_is_held_against_what_is_told(hdf5, store) -> 
     assert import_episodes(file, store, right).added == 2
 
 
-@pytest.fixture
-def raw(tmp_path: Path, arrays) -> Path:
-    """As robosuite's script for collecting demonstrations writes them."""
-    path = tmp_path / "demo.hdf5"
-    with h5py.File(path, "w") as file:
-        data = file.create_group("data")
-        told = {"env_name": "Lift", "robots": ["Panda"], "control_freq": 20}
-        data.attrs["env"], data.attrs["env_info"] = "Lift", json.dumps(told)
-        for number, part in ((1, slice(0, 4)), (2, slice(4, 10))):
-            demo = data.create_group(f"demo_{number}")
-            demo.attrs["model_file"] = "<mujoco/>"
-            demo["states"], demo["actions"] = arrays["keypoint"][part, 0], arrays["action"][part]
-    return path
-
-
-def test_robosuites_raw_file_has_states_for_features(raw, store, arrays) -> None:
-    done = import_episodes(open_file("robomimic", raw), store, None)
-    assert done.remarks == (
-        "taken: action=actions state=states features=states",
-        "not taken: model_file",
-    )
-    first, second = sorted(store.episodes(), key=len)
-    assert (len(first), len(second)) == LENGTHS
-    assert (first.info.task, first.info.control_rate_hz) == ("Lift", 20.0)
-    assert np.array_equal(second.steps[0].state, arrays["keypoint"][4, 0])
-    assert np.array_equal(second.steps[0].observation.features, second.steps[0].state.astype("f4"))
-    assert np.array_equal(second.steps[-1].executed, arrays["action"][-1])
-
-
-def test_a_mask_chooses_and_names_stay(raw, store) -> None:
-    with h5py.File(raw, "r+") as file:
-        file["mask/train"], file["mask/valid"] = [b"demo_2"], [b"demo_1"]
-        file["mask/gone"] = [b"demo_7"]
-
-    def taken(mask: str):
-        return import_episodes(open_file("robomimic", raw), store, replace(NOTHING_TOLD, mask=mask))
-
-    assert taken("train").added == 1
-    (trained,) = store.episodes()
-    assert (trained.info.index, len(trained)) == (1, 6)
-    with pytest.raises(ParameterError, match="no list 'x' of episodes; wanted one of gone, train"):
-        taken("x")
-    with pytest.raises(StoreError, match="mask/gone names 'demo_7', and it is not there"):
-        taken("gone")
-    done = taken("")
-    assert (done.added, done.held) == (1, 1)
-    assert done.remarks[-1].endswith("--mask takes those of a list: gone, train, valid")
-
-
 def test_a_format_without_masks_says_so(buffer, store) -> None:
     told = replace(origin("features=state"), mask="train")
     with pytest.raises(ParameterError, match="no list 'train' of episodes; it has none"):
         import_episodes(open_file("replay-buffer", buffer), store, told)
-
-
-def test_a_line_of_python_does_as_the_command(raw, tmp_path) -> None:
-    keys = {"features": "actions,states"}
-    done = import_data(f"robomimic:{raw}", tmp_path / "s", task="lift", keys=keys)
-    assert done.added == 2
-    recorded = EpisodeStore(tmp_path / "s")
-    header = recorded.header(recorded.names()[0])
-    assert (header.info.task, header.info.method, header.feature_size) == ("lift", "demo", 4)
-    for source in ("moon:x", "robomimic", "robomimic:"):
-        with pytest.raises(ParameterError, match=r"is no FORMAT:PATH; wanted one of replay-buffer"):
-            import_data(source, tmp_path / "s")
-    with pytest.raises(ParameterError, match=r"control rate nan Hz; wanted 0.001"):
-        import_data(f"robomimic:{raw}", tmp_path / "s", control_rate_hz=float("nan"))
 
 
 def test_a_file_without_an_episode_is_told(tmp_path, store) -> None:
