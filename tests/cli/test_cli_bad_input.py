@@ -50,7 +50,7 @@ def test_unknown_task(complaint, verb):
     own = "a task of your own is given as file.py:TASK: docs/own/task.md"
     said = f"unknown task 'moon'; known: corridor; {own}"
     if verb == "experiment":
-        said = f"unknown experiment 'moon'; known: corridor, gates, nu; {own}"
+        said = f"unknown experiment 'moon'; known: corridor, gates, nu, takeovers; {own}"
     assert complaint(verb, "moon", *REST[verb]) == f"sheath: {said}\n"
 
 

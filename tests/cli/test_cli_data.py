@@ -185,7 +185,7 @@ class TestExchange:
         assert "3 episodes added to store" in lines
         assert "taken: action=action reward=next.reward features=observation.state" in lines
         assert "not taken: next.success" in lines
-        assert "3 failure (100%)" in sheath("data", "list", "store")[1]
+        assert "0 succeeded, 3 failed, 0 stuck" in sheath("data", "list", "store")[1]
         assert "wanted an HDF5 file" in complaint(*file[:-1], "robomimic")
 
     @pytest.mark.parametrize("form", ["replay-buffer", "robomimic", "lerobot", "minari"])

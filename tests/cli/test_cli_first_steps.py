@@ -26,8 +26,12 @@ def test_without_arguments_it_says_what_to_do_first(sheath):
 
 
 def test_every_verb_has_an_example(sheath):
-    of_data = sheath("data", "--help")[1].split("{", 1)[1].split("}")[0].split(",")
-    assert set(EXAMPLES) == {*VERBS, *(f"data {name}" for name in of_data)}
+    nested = {
+        f"{verb} {name}"
+        for verb in ("data", "gate")
+        for name in sheath(verb, "--help")[1].split("{", 1)[1].split("}")[0].split(",")
+    }
+    assert set(EXAMPLES) == {*VERBS, *nested}
     assert "data" in OF_A_STORE
 
 

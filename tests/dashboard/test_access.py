@@ -196,7 +196,7 @@ def test_share_is_refused(
 
 def test_taken_port_is_an_error(dashboard: Dashboard) -> None:
     port = port_of(dashboard)
-    with pytest.raises(SetupError, match=f"127.0.0.1:{port} .*another port"):
+    with pytest.raises(SetupError, match=f"127.0.0.1:{port} .*--port 0 for any"):
         GuardedServer.open("127.0.0.1", port, None, "second", Cockpit())
 
 

@@ -114,7 +114,9 @@ def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
 
     def make(run_seed: int) -> SimpleNamespace:
         made.append(run_seed)
-        return SimpleNamespace(reset=made.append, restore=restored.append, close=lambda: None)
+        return SimpleNamespace(
+            reset=made.append, state=list, restore=restored.append, close=lambda: None
+        )
 
     task = replace(
         CORRIDOR,
