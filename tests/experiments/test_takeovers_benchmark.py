@@ -155,7 +155,8 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
     environment.close()
 
 
-def test_workers_and_interruptions_change_nothing(whole, tmp_path):
+@pytest.mark.parametrize("workers", [0, pytest.param(2, marks=pytest.mark.soak)])
+def test_workers_and_interruptions_change_nothing(whole, tmp_path, workers):
     shutil.copytree(whole / "runs", tmp_path / "runs")
     for name in (
         "choices.json",
@@ -165,7 +166,7 @@ def test_workers_and_interruptions_change_nothing(whole, tmp_path):
         "s0-r0/tuning/default-0.3s.json",
     ):
         (tmp_path / "runs" / "corridor" / name).unlink()
-    benchmark(tmp_path, workers=2)
+    benchmark(tmp_path, workers)
     assert trials_of(tmp_path) == trials_of(whole)
 
 
