@@ -29,7 +29,8 @@ demo: $(RUNTIME_STAMP) gl ## teach a policy to drive and watch it in the browser
 	$(BIN)/sheath experiment driving --quick --dashboard $(if $(PORT),--port $(PORT)) $$hold
 
 # Fast to slow; the first that fails stops the rest.
-test: lint contracts types docs gl browser ## lint, import contracts, types, documentation, tests
+test: $(DEV_STAMP) gl browser ## lint, import contracts, types, documentation, tests
+	@$(MAKE) -j 2 lint contracts types docs
 	$(PYTEST)
 
 soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, long runs, kills

@@ -12,7 +12,7 @@ from sheath_manip.support.config import SupportConfig
 from tests.cases import cases
 
 # They train a network; what holds for every fit holds for a rough one.
-STEPS = {"reconstruction": 50, "distillation": 50, "disagreement": 20}
+STEPS = {"reconstruction": 50, "distillation": 50, "disagreement": 8}
 
 
 @pytest.fixture(params=sorted(SUPPORTS))

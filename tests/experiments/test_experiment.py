@@ -62,6 +62,7 @@ def summary_of(directory: Path) -> dict:
     return summary | {"wall_s": None, "git": None}
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("_no_figures")
 def test_two_processes_give_the_numbers_of_one(here, tmp_path):
     experiment(tmp_path, workers=2)

@@ -87,8 +87,10 @@ def rewritten(path: Path, **changes) -> Path:
 @pytest.mark.parametrize(
     ("policy", "embedding", "signal"),
     [
-        ("cnn", "two-scale-convolutions", "support"),
-        ("paper-cnn", "pooled-convolutions-whitened", "support"),
+        pytest.param("cnn", "two-scale-convolutions", "support", marks=pytest.mark.soak),
+        pytest.param(
+            "paper-cnn", "pooled-convolutions-whitened", "support", marks=pytest.mark.soak
+        ),
         ("paper-cnn", "penultimate", "precedent"),
         ("hog-svm", "pixels", "joined"),
         ("hog-svm", "pixels", "trust-joined"),

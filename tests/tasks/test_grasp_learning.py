@@ -44,6 +44,7 @@ def test_the_mirrored_arm_does_the_mirrored_thing():
     np.testing.assert_allclose(reached[1], reached[0] * mirror.features, atol=2e-3)
 
 
+@pytest.mark.soak
 def test_a_small_experiment_with_a_film(tmp_path):
     plan = STUDY.plans["quick"].changed(
         policy={"settings": {"steps": 4, "warm_steps": 2}},

@@ -33,6 +33,7 @@ def test_the_arm_of_the_development_packages_is_there() -> None:
     assert "ur5e" in HERE
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("name", [name for name in HERE if name != "so101"])
 def test_the_expert_grasps_without_touching_anything_else(name: str) -> None:
     environment = GRASP_CLUTTER.make(f"easy@{name}")
