@@ -5,8 +5,9 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
 from tools.outside.fetch import FETCH
 
-# The gate's two numbers were chosen on the training seeds 0 to 2 and 100 to 104.
-SEEDS = (10, 11, 12)
+# The gate's three numbers were chosen on the training seeds 100 and 101, after an earlier plan (without
+# `stuck_steps`, chosen on 0 to 2 and 100 to 104) had missed the bar on 10 to 12.
+SEEDS = (20, 21, 22)
 FULL = LearningPlan(
     PolicyConfig("mlp", {"feature_noise": 0.15, "steps": 1500, "warm_steps": 1000})
 ).changed(
@@ -14,8 +15,9 @@ FULL = LearningPlan(
         "signal": "near-joined",
         "embedding": "scaled-features",
         "precedent_embedding": "scaled-features",
-        "threshold": {"false_alarm_rate": 0.05},
-        "minimum_hold_steps": 12,
+        "threshold": {"false_alarm_rate": 0.02},
+        "minimum_hold_steps": 9,
+        "stuck_steps": 10,
     },
     schedule={
         "demonstrations": 10,

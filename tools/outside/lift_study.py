@@ -7,8 +7,6 @@ from tools.outside.lift import LIFT
 PLAN = FULL.changed(
     schedule={"episodes": 10},
     comparison={
-        "methods": ("sheath",),
-        "seeds": (10,),
         "evaluation_episodes": 3,
         "final_episodes": 10,
     },
