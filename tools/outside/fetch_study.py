@@ -5,8 +5,8 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
 from tools.outside.fetch import FETCH
 
-# The gate's three numbers were chosen on the training seeds 100 and 101, after an earlier plan (without
-# `stuck_steps`, chosen on 0 to 2 and 100 to 104) had missed the bar on 10 to 12.
+# The gate's three numbers were chosen on the training seeds 100 and 101, after an earlier plan
+# (without `stuck_steps`, chosen on 0 to 2 and 100 to 104) had missed the bar on 10 to 12.
 SEEDS = (20, 21, 22)
 FULL = LearningPlan(
     PolicyConfig("mlp", {"feature_noise": 0.15, "steps": 1500, "warm_steps": 1000})
