@@ -169,10 +169,10 @@ def fitted_in(header: Mapping[str, Any], policy: PredictingPolicy, arrays: Array
         release_margin=float(header["release_margin"]),
         sources=Sources(*(tuple(map(str, header["sources"][name])) for name in SOURCES)),
     )
-    if config.stuck_steps:
-        fitted = replace(fitted, progress=Progress.load(subtree(arrays, "progress")))
     if not header["has_signal"]:
         return fitted
+    if config.stuck_steps:
+        fitted = replace(fitted, progress=Progress.load(subtree(arrays, "progress")))
     signal = make_signal(planned_signal(config))
     signal.attach(policy)
     return replace(fitted, signal=signal.load(subtree(arrays, "signal")))
