@@ -57,6 +57,11 @@ def fit_frozen_gate(
     first = next(coming, None)
     if first is None:
         raise ParameterError("there is no episode to fit to; wanted at least one")
+    if not spec.cameras and not first.columns.features.size:
+        raise ParameterError(
+            "the episodes hold nothing that is observed, no image and no feature; wanted some, "
+            "such as --keys features=KEY of a file that another tool wrote"
+        )
     config = _suited(config, policy, first, spec)
     signal = make_signal(planned_signal(config))
     if signal.uses_displaced:

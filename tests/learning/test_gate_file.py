@@ -18,7 +18,7 @@ from sheath_manip.learning.frozen_settings import FROZEN
 from sheath_manip.learning.gate_file import gate_facts, load_gate
 from sheath_manip.policies.looking_along import look_along
 from sheath_manip.support.config import SupportConfig
-from sheath_manip.types import Actor, Proposal, Reason
+from sheath_manip.types import Actor, Episode, Proposal, Reason
 from tests import frozen
 from tests.blobs import SPEC as BLOBS
 
@@ -109,6 +109,22 @@ class TestFit:
     def test_what_cannot_be_fitted_is_said(self, config: GateConfig, says: str) -> None:
         with pytest.raises(ParameterError, match=says):
             frozen.fitted(config)
+
+    def test_episodes_in_which_nothing_is_observed_are_said(self) -> None:
+        def bare(number: int) -> Episode:
+            episode = frozen.demonstration(number)
+            nothing = np.zeros(0, np.float32)
+            steps = [
+                replace(step, observation=replace(step.observation, features=nothing))
+                for step in episode.steps
+            ]
+            return replace(episode, steps=tuple(steps))
+
+        episodes = [bare(0)]
+        with pytest.raises(ParameterError, match=r"nothing that is observed.*--keys features=KEY"):
+            fit_frozen_gate(
+                frozen.policy(), episodes, episodes, FROZEN, frozen.SPEC, sources=Sources()
+            )
 
     def test_a_policy_that_breaks_down_or_answers_another_size_is_said(self) -> None:
         def fit(act) -> None:
