@@ -77,7 +77,7 @@ class _Look:
 
     @torch.no_grad()
     def __call__(self, observations: Observations) -> Proposal:
-        # Whoever trains on would else have dropout decide.
+        # A module that is trained on would else let dropout decide.
         self.module.eval()
         given: list[Any] = []
         hook = self._layer and self._layer.register_forward_hook(

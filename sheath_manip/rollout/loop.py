@@ -110,7 +110,7 @@ def rollout(
 def control_step(
     stepping: Stepping, policy: GuardedPolicy | None, gate: GuardedGate, actors: Actors
 ) -> None:
-    """Run one step of the loop, for whoever calls step by step: look, propose, judge, act.
+    """Run one step of the loop, for callers that go step by step: look, propose, judge, act.
 
     Raises BrokenError where nobody is left to act or the environment fails, and ParameterError
     where the gate wants an actor or a policy that was never there.

@@ -114,7 +114,7 @@ def test_latents_come_with_a_proposal_or_from_the_policy_that_the_gate_was_fitte
     env.reset(seed=2)
     bare.reset(seed=2)
     look = found.policy.propose(env.task_env.present.alone)
-    # The action that is judged is the learner's, whoever looked.
+    # The action that is judged is the learner's, no matter who looked.
     action = np.array([[0.3]], np.float32)
     by_hand = bare.step(Proposal(action, look.latents))[4]
     told = env.step(2)[4]

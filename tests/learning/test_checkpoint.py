@@ -9,7 +9,6 @@ from sheath_manip.exceptions import CheckpointError, ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
 from sheath_manip.gates.human import HumanGate, Nobody
-from sheath_manip.gates.progress import Progress, ProgressGate
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
 from sheath_manip.learning.checkpoint_file import read_arrays, write_arrays
@@ -295,23 +294,3 @@ def test_alone_a_support_says_outside_and_what_weighs_the_proposal_says_risk(che
     assert judged(checkpoint.fitted, observation).blames is Reason.OUTSIDE
     trust = checkpoint_of("hog-svm", "pixels", "trust").fitted
     assert judged(trust, observation).blames is Reason.RISK
-
-
-def test_what_notices_that_nothing_goes_on_comes_back(checkpoint, tmp_path):
-    config = replace(checkpoint.fitted.config, stuck_steps=4)
-    walks = [np.cumsum(np.ones((12, 1)), axis=0), np.cumsum(np.full((9, 1), 0.5), axis=0)]
-    progress = Progress.of(walks, 4)
-    fitted = replace(checkpoint.fitted, config=config, progress=progress)
-    loaded = load_checkpoint(replace(checkpoint, fitted=fitted).save(tmp_path / "c.npz"), SPEC)
-    assert loaded.fitted.progress is not None
-    assert loaded.fitted.progress.least == progress.least
-    assert isinstance(loaded.gate(), ProgressGate)
-
-
-def test_a_gate_that_judges_by_nothing_watches_nothing_either(checkpoint, tmp_path):
-    # Random takeover under a plan whose other gates notice it.
-    config = replace(checkpoint.fitted.config, kind="random-takeover", stuck_steps=4)
-    fitted = FittedGate(config, checkpoint.policy)
-    loaded = load_checkpoint(replace(checkpoint, fitted=fitted).save(tmp_path / "c.npz"), SPEC)
-    assert loaded.fitted.progress is None
-    assert not isinstance(loaded.gate(), ProgressGate)
