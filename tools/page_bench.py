@@ -28,8 +28,8 @@ class Sizes:
     """of taking over, and of stopping"""
 
 
-class EnoughError(Exception):
-    """Ends a rollout that has shown what it was run for."""
+class EnoughError(BaseException):
+    """Ends a rollout that has shown what it was run for; what is an Exception, a run survives."""
 
 
 @dataclass
