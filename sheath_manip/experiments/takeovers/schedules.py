@@ -1,7 +1,6 @@
 """Takeovers that look at nothing, as often and as long as a gate's: baselines of equal burden."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -33,10 +32,8 @@ def every_so_many(trials: Sequence[Trial], index: int, rng: np.random.Generator)
     return tuple((step, 1) for step in range(int(rng.integers(apart)), _horizon(trials), apart))
 
 
-def random_blocks(
-    trials: Sequence[Trial], index: int, rng: np.random.Generator, times: float = 1.0
-) -> Turns:
-    """Blocks that come `times` as often as the gate's turns, each as long as a drawn one of them.
+def random_blocks(trials: Sequence[Trial], index: int, rng: np.random.Generator) -> Turns:
+    """Blocks that come as often as the gate's turns, each as long as a drawn one of them.
 
     As often in the policy's time: where an episode ends sooner, fewer of them come.
     """
@@ -49,7 +46,7 @@ def random_blocks(
     turns: list[tuple[int, int]] = []
     step = 0
     while True:
-        step += int(rng.geometric(min(1.0, times * len(lengths) / max(free, 1)))) - 1
+        step += int(rng.geometric(min(1.0, len(lengths) / max(free, 1)))) - 1
         if step >= _horizon(trials):
             return tuple(turns)
         turns.append((step, lengths[int(rng.integers(len(lengths)))]))
@@ -73,7 +70,6 @@ SCHEDULES: dict[str, Schedule] = {
     "random-steps": random_steps,
     "every-kth-step": every_so_many,
     "random-blocks": random_blocks,
-    "random-blocks-twice": partial(random_blocks, times=2.0),
     "own-at-random-times": own_at_random,
     "another-scenes": anothers,
 }

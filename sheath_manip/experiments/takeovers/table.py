@@ -13,7 +13,6 @@ from sheath_manip.experiments.takeovers.plan import TAKEOVERS
 NAMES = {
     "gate": "gate",
     "random-blocks": "  random blocks",
-    "random-blocks-twice": "  random blocks, twice as many",
     "own-at-random-times": "  its own at random times",
     "another-scenes": "  another scene's",
     "random-steps": "  random steps",
