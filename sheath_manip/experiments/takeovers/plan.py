@@ -15,6 +15,11 @@ TUNING, FRESH = "tuning", "fresh"
 """lots of scenes: gates are chosen on the first, and judged once on the second"""
 TAKEOVERS, SHARE = "takeovers", "share"
 """what is held equal: takeovers an episode, or the expert's share of the steps"""
+BASELINES_OF = {
+    TAKEOVERS: ("random-blocks", "own-at-random-times", "another-scenes"),
+    SHARE: ("random-steps", "every-kth-step"),
+}
+"""what a gate is held against, by what is held equal"""
 
 
 @dataclass(frozen=True)
