@@ -17,7 +17,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, WorkerError
 from sheath_manip.learning.drivers import ExpertAlone
 from sheath_manip.protocols import Environment
-from sheath_manip.rollout.processes import ProcessExecutor
+from sheath_manip.rollout.processes import ProcessExecutor, ProcessWorker
 from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
@@ -183,10 +183,14 @@ def test_closed_in_the_midst_whoever_waits_is_told(tmp_path):
     closing.join()
 
 
+def hired(executor: ProcessExecutor) -> list[ProcessWorker]:
+    return [worker for worker in executor._crowd.hired if isinstance(worker, ProcessWorker)]
+
+
 def test_closing_ends_the_workers_and_nothing_more_is_taken():
     executor = ProcessExecutor(2)
     list(executor.map(requests(2)))
-    running = executor._crowd.process_ids
+    running = [worker.process.pid for worker in hired(executor)]
     assert running
     executor.close()
     for process in running:
@@ -213,7 +217,7 @@ def test_what_is_recorded_goes_before_what_only_judges(tmp_path):
     """The next fit waits for the one, and nothing for the other."""
     executor, store = ProcessExecutor(1), EpisodeStore.create(tmp_path)
     # Nobody hands out, so that all stays pending.
-    executor._crowd._thread = threading.Thread()
+    executor._crowd._threads.append(threading.Thread())
     for asked, into in ((requests(2), None), (requests(2), store), (requests(1), None)):
         executor.map(asked, into)
     pending = [(each.recorded, each.errand.request.info.index) for each in executor._crowd._pending]
