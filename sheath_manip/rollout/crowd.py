@@ -172,7 +172,7 @@ class Crowd:
         worker.end()
 
     def _next(self, last: tuple[object, ...]) -> Ticket | None:
-        """The first of its kind that goes on with the `last` scene, else the first; None at the end."""
+        """The first of its kind that goes on with the `last` scene, else the first; or None."""
         with self._changed:
             self._changed.wait_for(lambda: self._pending or self._closing)
             if self._closing:

@@ -78,7 +78,7 @@ def _in_order(
     store: EpisodeStore | None,
     report: Report,
 ) -> Iterator[Episode]:
-    """The episodes in the requests' order, each once it is there; the store has what is not missing."""
+    """The episodes in the requests' order, each once it is there, or where the store has it."""
     place_of = {id(request): place for place, request in enumerate(missing)}
     done: dict[int, Answer] = {}
     for request in asked:

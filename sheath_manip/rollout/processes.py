@@ -15,7 +15,7 @@ _starting = threading.Lock()
 
 
 class ProcessExecutor(CrowdExecutor):
-    """Hands requests to worker processes; one that is lost costs its episode, which is run again."""
+    """Hands requests to worker processes; one that is lost costs its episode only."""
 
     def __init__(self, workers: int) -> None:
         """Store how many; they start with the first request. ParameterError for less than one."""

@@ -1,6 +1,5 @@
 """The same requests give the same bytes, in whatever processes and order they run."""
 
-import hashlib
 import os
 import random
 import signal
@@ -10,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
@@ -18,36 +16,12 @@ from sheath_manip.exceptions import ParameterError, WorkerError
 from sheath_manip.learning.drivers import ExpertAlone
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.processes import ProcessExecutor, ProcessWorker
-from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest
+from sheath_manip.rollout.request import Crew
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
-from sheath_manip.types import EpisodeInfo, Purpose
+from tests.rollout.asked import digest, requests
 from tests.toy import CORRIDOR
 from tests.waiting import DEADLINE_S, eventually
-
-STEPS_HZ = 50.0
-
-
-def requests(count: int, driver: Driver | None = None) -> list[EpisodeRequest]:
-    infos = [
-        EpisodeInfo("corridor", 100 + index, Purpose.DEMONSTRATION, STEPS_HZ, "expert", index=index)
-        for index in range(count)
-    ]
-    return [EpisodeRequest(CORRIDOR, info, driver or ExpertAlone()) for info in infos]
-
-
-def digest(store: EpisodeStore) -> str:
-    """Of all that the episodes hold but the date of the recording."""
-    whole = hashlib.sha256()
-    for episode in store.episodes():
-        whole.update(repr((replace(episode.info), episode.outcome, len(episode))).encode())
-        for step in episode.steps:
-            for array in (*step.observation.images.values(), step.observation.features):
-                whole.update(np.ascontiguousarray(array).tobytes())
-            for array in (step.state, step.executed, step.labelled):
-                whole.update(np.ascontiguousarray(array).tobytes())
-            whole.update(repr((step.decision, step.reward)).encode())
-    return whole.hexdigest()
 
 
 @pytest.fixture(scope="module")
