@@ -14,6 +14,7 @@ from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
+from sheath_manip.rollout.executing import Executing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +32,7 @@ class Benchmark(Comparing):
         if self.seeds == ():
             raise ParameterError("seeds is empty; wanted at least one")
         runs, results = self.directories(self.task)
-        asked = Asked(self.size, self.seeds, self.processes(), runs, results, self.fresh)
+        asked = Asked(self.size, self.seeds, self.executing(), runs, results, self.fresh)
         BENCHMARKS[self.task](asked, session)
         return 0
 
@@ -80,7 +81,7 @@ class Experiment(Comparing, Planned):
         plan = LearningPlan(policy, self.gate, self.schedule, self.comparison)
         if self.figures == ():
             raise ParameterError("figures is empty; wanted at least one")
-        workers = self.processes()
+        executing = self.executing()
         runs, results = self.directories(study.name)
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
@@ -99,7 +100,7 @@ class Experiment(Comparing, Planned):
                 runs=runs,
                 results=results,
                 command=session.command,
-                workers=workers,
+                executing=executing,
                 figures=self.figures,
                 listeners=listeners,
                 console=session.out,
@@ -110,14 +111,14 @@ class Experiment(Comparing, Planned):
                     dashboard.hold_open()
         return 0
 
-    def processes(self) -> int:
-        """Return the number of workers; none but this process with a page."""
-        workers = super().processes()
+    def executing(self) -> Executing:
+        """Return where episodes run: with a page in this process only."""
         if not self.dashboard:
-            return workers
-        if self.workers:
+            return super().executing()
+        asked = self.where.executing
+        if not asked.here:
             raise ParameterError(
-                f"workers is {self.workers}; the page shows what runs in this process, "
-                "so wanted 0 (or nothing) with --dashboard"
+                f"{asked}; the page shows what runs in this process, "
+                "so wanted 0 workers (or nothing) with --dashboard"
             )
-        return 0
+        return Executing(workers=0)

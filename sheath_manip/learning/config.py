@@ -103,6 +103,11 @@ class LearningPlan:
         first = prepare + comparison.evaluation_episodes
         return len(comparison.seeds) * (first + len(comparison.methods) * of_method)
 
+    @property
+    def follows_at_once(self) -> bool:
+        """Whether a method that follows another's rounds knows beforehand how many there are."""
+        return self.schedule.stop_below_loss <= 0
+
     def changed(self, **parts: Mapping[str, Any]) -> Self:
         """Return the plan with other values, such as `changed(schedule={"rounds": 2})`.
 

@@ -5,7 +5,7 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from sheath_manip.dataset.naming import episode_name
@@ -39,6 +39,9 @@ from sheath_manip.task import Task
 from sheath_manip.types import Episode, Outcome, Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
 
+POLL_S = 0.2
+"""between two looks for a round of another method"""
+
 
 class LearningRun:
     """All rounds of one training seed. Interrupted anywhere, it continues to the same result.
@@ -60,12 +63,14 @@ class LearningRun:
         supervised: Beside | None = None,
         demonstrated: Beside | None = None,
         failures: bool = False,
+        awaits: bool = False,
     ) -> None:
         """Store what is learned, and who runs the episodes.
 
         `supervised` puts a person beside what drives each learning episode, and `demonstrated`
         beside the expert of those before: where the expert is a person at the controls. With
-        `failures` expert episodes that did not succeed are learned from as well.
+        `failures` expert episodes that did not succeed are learned from as well. A method that
+        follows another `awaits` each of its rounds, where that runs in another process.
         """
         self.task = task
         self.plan = with_final_variant(task, plan)
@@ -91,13 +96,15 @@ class LearningRun:
         self.left_out: list[Outcome] = []
         """how the expert episodes ended that were not learned from"""
         self._failures = failures
+        self._awaits = awaits
 
     def start(self) -> SharedStart:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         schedule = self.plan.schedule
         self.left_out.clear()
-        demonstrations = self._learned_from(self.episodes.demonstrations(), 1)
-        held_out = self.episodes.held_out()
+        demonstrated, held_out = self.episodes.demonstrations(), self.episodes.held_out()
+        demonstrations = self._learned_from(list(demonstrated), 1)
+        held_out = list(held_out)
         new = held_out[schedule.calibration :]
         held_out = self._learned_from(held_out[: schedule.calibration], LEAST_CALIBRATION)
         checkpoints = Checkpoints(
@@ -134,11 +141,12 @@ class LearningRun:
         checkpoint = start.checkpoints.begun(
             method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
         )
+        ahead: Iterator[Episode] | None = None
         while not judged.last:
             if not self.executor.overlaps:
                 self._finish(judged, results)
             number = judged.number + 1
-            episodes = self._learning_episodes(start, method, number, checkpoint)
+            episodes = list(ahead or self._learning_episodes(start, method, number, checkpoint))
             visited = visited_from(episodes)
             if visited.is_labelled.any():
                 labelled.append(visited.labelled())
@@ -154,6 +162,10 @@ class LearningRun:
                 self._share(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
+            ahead = None
+            if self._surely_goes_on(method.name, number):
+                # They run while this round is measured.
+                ahead = self._learning_episodes(start, method, number + 1, refitted)
             if self.executor.overlaps:
                 # That policy was alone on its scenes while this round was collected and fitted to.
                 self._finish(judged, results)
@@ -184,7 +196,7 @@ class LearningRun:
 
     def _learning_episodes(
         self, start: SharedStart, method: Method, number: int, checkpoint: Checkpoint
-    ) -> list[Episode]:
+    ) -> Iterator[Episode]:
         checkpoints = start.checkpoints
         digest = checkpoints.digest(checkpoint)
         driver = GatedPolicy(checkpoints.path(checkpoint), digest)
@@ -197,6 +209,8 @@ class LearningRun:
         if method.share_from is None:
             return None
         path = self._path(method.share_from, number, "json")
+        while self._awaits and not path.exists():
+            time.sleep(POLL_S)
         if not path.exists():
             raise ParameterError(
                 f"{method.name} is given the expert share of {method.share_from}, which has no "
@@ -255,6 +269,11 @@ class LearningRun:
         # In round 0 the expert drove; its states say nothing about the policy.
         good_enough = number > 0 and surrogate_loss < self.plan.schedule.stop_below_loss
         return number == self._rounds_of(method) or good_enough
+
+    def _surely_goes_on(self, method: str, number: int) -> bool:
+        """Whether a round follows, whatever this one shows, and runs as soon as it is asked for."""
+        ends = self.plan.schedule.stop_below_loss > 0 or number == self._rounds_of(method)
+        return self.executor.overlaps and not ends
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""

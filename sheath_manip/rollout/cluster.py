@@ -6,6 +6,7 @@ Ray's object store, and an episode that is recorded comes back to be written her
 
 import logging
 import os
+import sys
 import tempfile
 import threading
 import uuid
@@ -13,6 +14,7 @@ from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -89,7 +91,9 @@ class RayWorker:
         """Ask for it; it is there once the cluster has a core for it."""
         variables = {name: os.environ[name] for name in ENVIRONMENT if name in os.environ}
         # An actor that is lost is replaced from here, with the episode that it was at.
-        self._actor = ray.remote(num_cpus=1, max_restarts=0)(Actor).remote(variables)
+        self._actor = ray.remote(num_cpus=1, max_restarts=0)(Actor).remote(
+            variables, tuple(sys.path)
+        )
         self._ray, self._files = ray, files
 
     def begin(self) -> None:
@@ -109,10 +113,17 @@ class RayWorker:
 
     def run(self, errand: Errand) -> Answer:
         """Run it and wait, and record the episode here; raises LostWorkerError."""
-        request, store = errand.request, errand.store
+        answer = self._replied(errand)
+        if isinstance(answer, Answer):
+            return answer
+        assert errand.store is not None
+        return answer_of(partial(_keep, EpisodeStore(errand.store), answer))
+
+    def _replied(self, errand: Errand) -> Answer | Recorded:
+        request, recorded = errand.request, errand.store is not None
         try:
             digest, files = self._files.of(request)
-            reply = self._actor.run.remote(request, digest, files, store is not None)
+            reply = self._actor.run.remote(request, digest, files, recorded)
         except Exception as error:
             # What cannot be pickled says so in many ways.
             return Answer(
@@ -122,12 +133,10 @@ class RayWorker:
                     "pickled, whose files are here"
                 )
             )
-        answer: Answer | Recorded = self._got(reply)
-        if isinstance(answer, Answer):
-            return answer
-        assert store is not None
-        EpisodeStore(store).keep(answer)
-        return Answer()
+        try:
+            return self._got(reply)
+        except WorkerError as fault:
+            return Answer(fault=fault)
 
     def end(self) -> None:
         """End it."""
@@ -153,12 +162,15 @@ class RayWorker:
 class Actor:
     """A worker, where it is: it keeps its environment, and the checkpoint that drives it."""
 
-    def __init__(self, variables: Mapping[str, str]) -> None:
+    def __init__(self, variables: Mapping[str, str], path: Sequence[str]) -> None:
         """Make nothing yet: the first request says what is wanted.
 
-        `variables` of the environment are set before a simulator is imported.
+        Args:
+            variables: of the environment, set before a simulator is imported.
+            path: further places of modules, such as the folder of a task of somebody's own.
         """
         os.environ.update(variables)
+        sys.path += [place for place in path if place not in sys.path]
         self._threads = single_threaded()
         self._threads.__enter__()
         self._workplace = Workplace()
@@ -245,6 +257,11 @@ class _Files:
             self._held.move_to_end(digest)
             # In a list it travels as what it is; else it would be fetched for each episode.
             return digest, [self._held[digest]]
+
+
+def _keep(store: EpisodeStore, recorded: Recorded) -> Answer:
+    store.keep(recorded)
+    return Answer()
 
 
 def versions() -> dict[str, str]:

@@ -48,7 +48,7 @@ def serve(connection: Connection) -> None:
                 errand: Errand = connection.recv()
             except EOFError:
                 return
-            connection.send(answer_of(partial(_run, errand, workplace)))
+            connection.send(answer_of(partial(run_errand, errand, workplace)))
 
 
 def without_images(episode: Episode) -> Episode:
@@ -74,7 +74,8 @@ def answer_of(call: Callable[[], Answer]) -> Answer:
         return Answer(fault=WorkerError(f"{type(error).__name__}: {error}"))
 
 
-def _run(errand: Errand, workplace: Workplace) -> Answer:
+def run_errand(errand: Errand, workplace: Workplace) -> Answer:
+    """Run the episode and record it, or return it without its images."""
     if errand.store is None:
         return Answer(without_images(workplace.run(errand.request)))
     workplace.run(errand.request, (Recorder(EpisodeStore(errand.store)),))

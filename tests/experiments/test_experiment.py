@@ -13,6 +13,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments import learning
 from sheath_manip.experiments.learning import run_experiment
+from sheath_manip.rollout.executing import Executing
 from tests.run_files import digests, measured
 from tests.toy import PLAN, STUDY
 
@@ -35,7 +36,7 @@ def experiment(directory: Path, workers: int, plan=EXPERIMENT, **options) -> dic
         runs=directory / "runs",
         results=directory / "results",
         command="none",
-        workers=workers,
+        executing=Executing(workers=workers),
         console=Console(file=io.StringIO()),
         **options,
     )
