@@ -1,6 +1,7 @@
 """`sheath experiment`: rounds of learning by several methods on a task, or a benchmark."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Annotated, Any
 
 from sheath_manip.cli.aside import move_aside
@@ -11,6 +12,7 @@ from sheath_manip.cli.own_tasks import is_reference
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import OWN_TASK, Session, Verb
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.study import Study
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
@@ -55,6 +57,9 @@ class Experiment(Comparing, Planned):
     comparison: Annotated[Comparison, WITHOUT_PREFIX] = field(default_factory=Comparison)
     figures: Annotated[tuple[str, ...] | None, default_is("all")] = None
     """file names of the figures to draw"""
+    estimate: bool = False
+    """say how long the run would take on how many cores and devices, from a trial of some minutes
+    on one core, and run nothing else"""
     dashboard: bool = False
     """show the run in the browser, and run all in this process"""
     hold: bool = False
@@ -83,6 +88,8 @@ class Experiment(Comparing, Planned):
             raise ParameterError("figures is empty; wanted at least one")
         executing = self.executing()
         runs, results = self.directories(study.name)
+        if self.estimate:
+            return self._estimate(study, plan, runs.with_name(f"{runs.name}-estimate"), session)
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
         from sheath_manip.learning.methods import method_named
@@ -109,6 +116,17 @@ class Experiment(Comparing, Planned):
                 for dashboard in listeners:
                     session.out.print("the page stays open until Ctrl-C")
                     dashboard.hold_open()
+        return 0
+
+    @staticmethod
+    def _estimate(study: Study, plan: LearningPlan, directory: Path, session: Session) -> int:
+        # Only now: torch takes seconds to import.
+        from sheath_manip.experiments.scale.costs import trial_of
+        from sheath_manip.experiments.scale.estimate import estimated_costs, print_estimate
+
+        with session.progress("a small run", trial_of(plan).units()) as report:
+            costs = estimated_costs(study, plan, directory, report)
+        print_estimate(costs, plan, session.out)
         return 0
 
     def executing(self) -> Executing:

@@ -115,7 +115,7 @@ def run_experiment(
     ]
     units = plan.units() + plan.comparison.final_episodes * len(held_against)
     with shown_progress(console, units, stopwatch) as report:
-        run_jobs(jobs, _next_jobs, executing, report, listeners)
+        run_jobs(jobs, next_jobs, executing, report, listeners)
     wall_s = stopwatch.tick(force=True)
     summary = _summary(study, plan, runs, command, wall_s)
     write_json(results / "summary.json", summary)
@@ -132,7 +132,7 @@ def _require_learnable(task: Task, plan: LearningPlan) -> None:
     require_learnable(environment.spec, plan, plan.comparison.methods)
 
 
-def _next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
+def next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
     """What can start after `done`: a seed's methods, each after the one that it follows, if any.
 
     One that follows begins beside the other, and waits for its rounds, unless these may be fewer

@@ -28,7 +28,7 @@ class Executing:
         if self.workers is not None and self.workers < 0:
             raise ParameterError(f"workers is {self.workers}; wanted at least 0")
         if self.executor in ("processes", "ray") and self.workers == 0:
-            raise ParameterError(f"workers is 0; the executor {self.executor} wants at least 1")
+            raise ParameterError(f"workers is 0; wanted at least 1 with {self.executor}")
         if self.executor == "serial" and self.workers:
             raise ParameterError(
                 f"workers is {self.workers}; the executor serial has none: wanted processes or ray"

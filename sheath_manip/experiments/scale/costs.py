@@ -95,7 +95,7 @@ def trial_of(plan: LearningPlan) -> LearningPlan:
 
 
 def measure_costs(task: Task, plan: LearningPlan, directory: Path, report: Report) -> Costs:
-    """Run the trial of `plan` under `directory`, which is new, in this process; return its costs."""
+    """Run the trial of `plan` in this process, under a new `directory`; return its costs."""
     trial, seed = trial_of(plan), plan.comparison.seeds[0]
     store = EpisodeStore.create(directory / "store")
     marks: dict[str, Mapping[str, float]] = {}
@@ -163,14 +163,13 @@ def _costs(
             states_each=added / ((len(results) - 1) * schedule.episodes),
         )
     first_s = marks[""]["expert fit 0"] - marks[""]["begun"]
+    dearest = max((each.fit for each in methods.values()), key=_seconds)
     files = [path.stat().st_size for path in directory.rglob("round-*.npz")]
     return Costs(
         expert_s=float(np.mean([each.cpu_s for each in by_expert])),
         alone_s=float(np.mean(alone)),
         states_each=first_states / schedule.demonstrations,
-        fit=_like(
-            max((each.fit for each in methods.values()), key=_seconds), first_states, first_s
-        ),
+        fit=_like(dearest, first_states, first_s),
         methods=methods,
         episode_b=float(np.mean([each.size_b for each in recorded])),
         checkpoint_b=float(np.mean(files)),

@@ -28,7 +28,7 @@ class Machines:
 
 
 def wall_s(work: Sequence[Work], machines: Machines) -> float:
-    """Return when all is done, in seconds, where each free core takes the first piece that is ready.
+    """Return when all is done, where each free core takes the first piece that is ready.
 
     Fits go before episodes that are recorded, and these before those that only judge; each kind in
     the order in which they became ready, as the executors hand them out. A piece runs to its end.
