@@ -63,7 +63,7 @@ class RayExecutor(CrowdExecutor):
         fewer workers than one.
         """
         with needs("ray", "ray"):
-            import ray
+            import ray  # pyright: ignore[reportMissingImports] - an extra
 
         self._ray = ray
         self._connected = not ray.is_initialized()
@@ -205,7 +205,7 @@ class Actor:
         if not content:
             yield request
             return
-        import ray
+        import ray  # pyright: ignore[reportMissingImports] - an extra
 
         # The same name for the same content, by which the crew is known that stands here already.
         path = Path(tempfile.gettempdir()) / f"{self._name}-{digest}.npz"

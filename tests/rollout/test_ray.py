@@ -3,10 +3,8 @@
 import os
 import signal
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,6 +16,7 @@ from sheath_manip.rollout.request import Crew
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 from tests.rollout.asked import digest, requests
+from tests.rollout.two_nodes import two_nodes
 from tests.waiting import eventually
 
 pytest.importorskip("ray", reason="Ray is not installed: pip install 'sheath-manip[ray]'")
@@ -28,6 +27,7 @@ pytestmark = [
 ]
 
 COUNT = 8
+nodes = pytest.fixture(scope="module")(two_nodes)
 
 
 @pytest.fixture(scope="module")
@@ -36,26 +36,6 @@ def serial(tmp_path_factory) -> str:
     with SerialExecutor() as executor:
         list(executor.map(requests(COUNT), store))
     return digest(store)
-
-
-@pytest.fixture(scope="module")
-def nodes() -> Iterator[Any]:
-    """Two machines, as far as Ray can tell, of two cores each."""
-    patience = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_agent_register_timeout_ms": "200000"}
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in patience.items():
-            patch.setenv(name, value)
-        from ray.cluster_utils import Cluster
-
-        options = {"num_cpus": 2, "object_store_memory": 100 * 2**20}
-        cluster = Cluster(
-            initialize_head=True, head_node_args=options | {"include_dashboard": False}
-        )
-        cluster.add_node(**options)
-        try:
-            yield cluster
-        finally:
-            cluster.shutdown()
 
 
 @dataclass(frozen=True)
