@@ -14,7 +14,7 @@ from rich.console import Console
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.benchmark import run_takeovers
-from sheath_manip.experiments.takeovers.plan import FRESH, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import FRESH, Quota, TakeoversPlan
 from sheath_manip.experiments.takeovers.recalled import RecallingGate
 from sheath_manip.experiments.takeovers.scoring import scores_alone
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials
@@ -32,9 +32,8 @@ from tests.toy import STUDY as TOY
 SMALL = TakeoversPlan(
     seeds=(0,),
     rounds=(0, 1),
-    failing=3,
-    succeeding=1,
-    most=12,
+    scenes=Quota(failing=3, succeeding=1, most=12),
+    scenes_of={},
     signals=("default", "precedent"),
     turns_s=(0.3,),
     levels=(-1.0, 0.0, 0.3),

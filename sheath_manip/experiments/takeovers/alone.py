@@ -67,7 +67,7 @@ class Alone:
 
 def try_alone(at: Watched, lot: str, report: Report) -> None:
     """Let the policy drive until enough scenes failed, or the most were tried; keep the chosen."""
-    wanted_failing, wanted_succeeding, most = at.plan.quota(lot)
+    quota = at.plan.quota(at.study.name, lot)
     spec = at.spec()
     driver = PolicyAlone(at.checkpoint_path, digest(at.checkpoint_path))
     recorder = Recorder(at.store)
@@ -77,18 +77,18 @@ def try_alone(at: Watched, lot: str, report: Report) -> None:
     with SerialExecutor() as executor:
         requests = (
             EpisodeRequest(at.task, scene_info(at, spec, lot, index), driver)
-            for index in range(most)
+            for index in range(quota.most)
         )
         for index, episode in enumerate(executor.map(requests)):
             report(f"{at.study.name} {at.name} alone")
             outcomes.append(episode.outcome)
             failing = episode.outcome is not Outcome.SUCCESS
             kept = sum(scene.failing is failing for scene in scenes)
-            if kept < (wanted_failing if failing else wanted_succeeding):
+            if kept < (quota.failing if failing else quota.succeeding):
                 scenes.append(Scene(index, failing))
                 if not at.store.has(episode.info):
                     recorder.on_end(episode)
-            if sum(scene.failing for scene in scenes) == wanted_failing:
+            if sum(scene.failing for scene in scenes) == quota.failing:
                 break
     failed = [outcome for outcome in outcomes if outcome is not Outcome.SUCCESS]
     stuck = failed.count(Outcome.TIME_LIMIT)
