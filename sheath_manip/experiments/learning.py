@@ -60,7 +60,7 @@ class Job:
             report,
             # All methods are held against each other by all that the expert showed.
             failures=True,
-            awaits=self.plan.follows_at_once,
+            awaits=self.plan.rounds_are_known,
         )
         if self.method == PREPARE:
             learning.prepare()
@@ -132,7 +132,7 @@ def _require_learnable(task: Task, plan: LearningPlan) -> None:
     require_learnable(environment.spec, plan, plan.comparison.methods)
 
 
-def next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
+def next_jobs(done: Job | BaselineJob) -> list[Job]:
     """What can start after `done`: a seed's methods, each after the one that it follows, if any.
 
     One that follows begins beside the other, and waits for its rounds, unless these may be fewer
@@ -143,7 +143,7 @@ def next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
     plan = done.plan
     methods = [method_named(name) for name in plan.comparison.methods]
     wanted = None if done.method == PREPARE else done.method
-    if plan.follows_at_once:
+    if plan.rounds_are_known:
         ready = methods if wanted is None else []
     else:
         ready = [method for method in methods if method.share_from == wanted]

@@ -104,8 +104,8 @@ class LearningPlan:
         return len(comparison.seeds) * (first + len(comparison.methods) * of_method)
 
     @property
-    def follows_at_once(self) -> bool:
-        """Whether a method that follows another's rounds knows beforehand how many there are."""
+    def rounds_are_known(self) -> bool:
+        """Whether there are as many rounds as planned, whatever they show."""
         return self.schedule.stop_below_loss <= 0
 
     def changed(self, **parts: Mapping[str, Any]) -> Self:

@@ -69,8 +69,8 @@ class LearningRun:
 
         `supervised` puts a person beside what drives each learning episode, and `demonstrated`
         beside the expert of those before: where the expert is a person at the controls. With
-        `failures` expert episodes that did not succeed are learned from as well. A method that
-        follows another `awaits` each of its rounds, where that runs in another process.
+        `failures` expert episodes that did not succeed are learned from as well; with `awaits` the
+        rounds of a method that is followed run in another process, and are waited for.
         """
         self.task = task
         self.plan = with_final_variant(task, plan)
@@ -141,7 +141,7 @@ class LearningRun:
         checkpoint = start.checkpoints.begun(
             method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
         )
-        ahead: Iterator[Episode] | None = None
+        ahead = None
         while not judged.last:
             if not self.executor.overlaps:
                 self._finish(judged, results)
@@ -162,10 +162,9 @@ class LearningRun:
                 self._share(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
-            ahead = None
-            if self._surely_goes_on(method.name, number):
-                # They run while this round is measured.
-                ahead = self._learning_episodes(start, method, number + 1, refitted)
+            # They run while this round is measured.
+            more = self._surely_goes_on(method.name, number)
+            ahead = self._learning_episodes(start, method, number + 1, refitted) if more else None
             if self.executor.overlaps:
                 # That policy was alone on its scenes while this round was collected and fitted to.
                 self._finish(judged, results)
@@ -237,9 +236,8 @@ class LearningRun:
         path = self._path(fitted.method, fitted.round, "json")
         if path.exists():
             return Judged.before(path)
-        begin_s = time.perf_counter()
+        begin_s, digest = time.perf_counter(), start.checkpoints.digest(fitted)
         evaluation = Evaluation(self.task, self.plan, self.spec, self.executor, self.report)
-        digest = start.checkpoints.digest(fitted)
         alone = PolicyAlone(start.checkpoints.path(fitted), digest)
         policy = evaluation.of(alone, fitted)
         episodes = list(episodes)
@@ -267,13 +265,13 @@ class LearningRun:
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.
-        good_enough = number > 0 and surrogate_loss < self.plan.schedule.stop_below_loss
-        return number == self._rounds_of(method) or good_enough
+        ends = number > 0 and surrogate_loss < self.plan.schedule.stop_below_loss
+        return ends or number == self._rounds_of(method)
 
     def _surely_goes_on(self, method: str, number: int) -> bool:
         """Whether a round follows, whatever this one shows, and runs as soon as it is asked for."""
-        ends = self.plan.schedule.stop_below_loss > 0 or number == self._rounds_of(method)
-        return self.executor.overlaps and not ends
+        known = self.plan.rounds_are_known and self.executor.overlaps
+        return known and number < self._rounds_of(method)
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""

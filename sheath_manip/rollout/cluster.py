@@ -105,11 +105,12 @@ class RayWorker:
             theirs = self._got(self._actor.versions.remote())
         finally:
             late.cancel()
-        other = {name: each for name, each in theirs.items() if each != versions()[name]}
-        if other:
-            has = ", ".join(f"{name} {version or '(none)'}" for name, version in other.items())
-            wanted = ", ".join(f"{name} {versions()[name]}" for name in other)
-            raise WorkerError(f"a machine of the cluster has {has}; wanted {wanted}, as here")
+        for name, version in versions().items():
+            if theirs.get(name) != version:
+                raise WorkerError(
+                    f"a machine of the cluster has {name} {theirs.get(name, '(none)')}; wanted "
+                    f"{version}, as here"
+                )
 
     def run(self, errand: Errand) -> Answer:
         """Run it and wait, and record the episode here; raises LostWorkerError."""
@@ -147,9 +148,9 @@ class RayWorker:
             return self._ray.get(reference)
         except self._ray.exceptions.RayTaskError as error:
             # Not the worker is lost: it answered that it cannot, such as for a missing module.
-            raise WorkerError(f"a worker failed ({_last_line(error)})") from None
+            raise WorkerError(f"a worker failed ({_lines(error)[-1]})") from None
         except self._ray.exceptions.RayError as error:
-            raise LostWorkerError(f"with {_first_line(error)}") from error
+            raise LostWorkerError(f"with {_lines(error)[0]}") from error
 
     @staticmethod
     def _complain() -> None:
@@ -265,15 +266,12 @@ def _keep(store: EpisodeStore, recorded: Recorded) -> Answer:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the packages that episodes depend on; none: an empty text."""
+    """Return the versions of the packages that episodes depend on, of those that are there."""
+    return {name: metadata.version(name) for name in SAME if _is_installed(name)}
 
-    def version(name: str) -> str:
-        try:
-            return metadata.version(name)
-        except metadata.PackageNotFoundError:
-            return ""
 
-    return {name: version(name) for name in SAME}
+def _is_installed(name: str) -> bool:
+    return any(metadata.distributions(name=name))
 
 
 def _connect(ray: Any, workers: int | None, address: str | None) -> None:
@@ -290,14 +288,10 @@ def _connect(ray: Any, workers: int | None, address: str | None) -> None:
     except (OSError, RuntimeError, ValueError) as error:
         at = "on this machine" if address is None else f"at {address}"
         raise SetupError(
-            f"no cluster of Ray {at} ({_first_line(error)}); wanted one that `ray start` began, "
+            f"no cluster of Ray {at} ({_lines(error)[0]}); wanted one that `ray start` began, "
             "such as --address auto or HOST:6379"
         ) from error
 
 
-def _first_line(error: BaseException) -> str:
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]
-
-
-def _last_line(error: BaseException) -> str:
-    return (str(error).strip().splitlines() or [type(error).__name__])[-1]
+def _lines(error: BaseException) -> list[str]:
+    return str(error).strip().splitlines() or [type(error).__name__]

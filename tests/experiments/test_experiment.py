@@ -3,6 +3,7 @@
 import io
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments import learning
-from sheath_manip.experiments.learning import run_experiment
+from sheath_manip.experiments.learning import PREPARE, Job, next_jobs, run_experiment
 from sheath_manip.rollout.executing import Executing
 from tests.run_files import digests, measured
 from tests.toy import PLAN, STUDY
@@ -94,6 +95,23 @@ def test_another_plan_does_not_resume_a_run(here, tmp_path):
         )
     assert "\n" not in str(caught.value)
     assert digests(tmp_path / "run") == digests(here)
+
+
+@pytest.mark.parametrize(
+    ("least", "first", "after_sheath"),
+    [
+        # What is followed goes first, and what follows it waits beside it.
+        (0.0, ["sheath", "dagger", "random-takeover"], []),
+        # Where there may be fewer rounds than planned it begins when they are known.
+        (0.1, ["sheath", "dagger"], ["random-takeover"]),
+    ],
+)
+def test_what_starts_after_what(tmp_path, least, first, after_sheath):
+    plan = EXPERIMENT.changed(schedule={"stop_below_loss": least})
+    prepared = Job(STUDY.task, plan, tmp_path, 0, PREPARE)
+    assert [job.method for job in next_jobs(prepared)] == first
+    followed = replace(prepared, method="sheath")
+    assert [job.method for job in next_jobs(followed)] == after_sheath
 
 
 def test_a_follower_without_the_method_it_follows_is_refused(tmp_path):

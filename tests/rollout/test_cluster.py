@@ -139,7 +139,7 @@ def test_a_machine_with_other_versions_is_refused(ray, monkeypatch):
     monkeypatch.setattr(cluster.Actor, "versions", lambda _: next(theirs))
     with (
         RayExecutor(1) as executor,
-        pytest.raises(WorkerError, match=rf"has numpy 1\.0; wanted numpy {here['numpy']}"),
+        pytest.raises(WorkerError, match=rf"has numpy 1\.0; wanted {here['numpy']}, as here"),
     ):
         list(executor.map(requests(1)))
     del ray

@@ -11,25 +11,8 @@ from sheath_manip.exceptions import WorkerError
 from sheath_manip.rollout.crowd import Crowd
 from sheath_manip.rollout.elsewhere import CrowdExecutor
 from sheath_manip.rollout.shared import Exchange, SharedExecutor
-from sheath_manip.rollout.worker import Answer, Errand, run_errand
-from sheath_manip.rollout.workplace import Workplace
 from tests.rollout.asked import digest, requests
-
-
-class HereWorker:
-    """Runs errands in its thread."""
-
-    def __init__(self) -> None:
-        self.workplace = Workplace()
-
-    def begin(self) -> None:
-        pass
-
-    def run(self, errand: Errand) -> Answer:
-        return run_errand(errand, self.workplace)
-
-    def end(self) -> None:
-        pass
+from tests.rollout.here_worker import HereWorker
 
 
 @pytest.fixture
