@@ -71,21 +71,11 @@ class RunEpisodes:
             Purpose.LEARNING, method, number, count, driver, self._supervised, digest
         )
 
-    def _by_expert(self, purpose: Purpose, count: int) -> Iterator[Episode]:
-        return self._episodes(purpose, EXPERT, 0, count, ExpertAlone(), self._demonstrated)
-
-    def _episodes(
-        self,
-        purpose: Purpose,
-        method: str,
-        number: int,
-        count: int,
-        driver: Driver,
-        beside: Beside | None = None,
-        checkpoint: str = "",
-    ) -> Iterator[Episode]:
-        """Ask for `count` episodes of round `number`; once all were given, all are on the disk."""
-        infos = [
+    def infos(
+        self, purpose: Purpose, method: str, number: int, count: int, checkpoint: str = ""
+    ) -> list[EpisodeInfo]:
+        """Return which episodes a round has, whether they are there or not."""
+        return [
             EpisodeInfo.of(
                 self.spec,
                 variant=self.schedule.variant,
@@ -100,6 +90,22 @@ class RunEpisodes:
             )
             for index in range(count)
         ]
+
+    def _by_expert(self, purpose: Purpose, count: int) -> Iterator[Episode]:
+        return self._episodes(purpose, EXPERT, 0, count, ExpertAlone(), self._demonstrated)
+
+    def _episodes(
+        self,
+        purpose: Purpose,
+        method: str,
+        number: int,
+        count: int,
+        driver: Driver,
+        beside: Beside | None = None,
+        checkpoint: str = "",
+    ) -> Iterator[Episode]:
+        """Ask for `count` episodes of round `number`; once all were given, all are on the disk."""
+        infos = self.infos(purpose, method, number, count, checkpoint)
         if beside is not None:
             # The same scene by hand again is another episode.
             infos, driver = begun(self.store, infos, self._session), beside(driver)

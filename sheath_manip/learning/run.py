@@ -10,7 +10,6 @@ from pathlib import Path
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.asking import Beside, RunEpisodes
 from sheath_manip.learning.beforehand import with_final_variant
 from sheath_manip.learning.checkpoint import Checkpoint
@@ -19,28 +18,25 @@ from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
 from sheath_manip.learning.demonstrations import is_learned_from, learned_from
 from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 from sheath_manip.learning.evaluation import Evaluation
+from sheath_manip.learning.following import ExpertShares
 from sheath_manip.learning.judged import Judged, Measuring
 from sheath_manip.learning.methods import METHODS, Method, method_named
 from sheath_manip.learning.results import (
     EXPERT,
     RoundListener,
     RoundResult,
-    read_result,
     round_path,
     round_results,
 )
 from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
-from sheath_manip.metrics import expert_share, record_of
+from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.task import Task
 from sheath_manip.types import Episode, Outcome, Purpose, TaskSpec
 from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
-
-POLL_S = 0.2
-"""between two looks for a round of another method"""
 
 
 class LearningRun:
@@ -96,7 +92,7 @@ class LearningRun:
         self.left_out: list[Outcome] = []
         """how the expert episodes ended that were not learned from"""
         self._failures = failures
-        self._awaits = awaits
+        self._shares = ExpertShares(self.episodes, directory, store, awaits)
 
     def start(self) -> SharedStart:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
@@ -139,7 +135,7 @@ class LearningRun:
         judged, results = self._first_judged(start), list[RoundResult]()
         labelled, names = [start.demonstrations], list(start.names)
         checkpoint = start.checkpoints.begun(
-            method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
+            method, start.checkpoint, start.demonstrations, start.names, self._shares.of(method, 1)
         )
         ahead = None
         while not judged.last:
@@ -159,7 +155,7 @@ class LearningRun:
                 aggregated,
                 visited,
                 names,
-                self._share(method, min(number + 1, self._rounds_of(method.name))),
+                self._shares.of(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
             # They run while this round is measured.
@@ -200,22 +196,6 @@ class LearningRun:
         digest = checkpoints.digest(checkpoint)
         driver = GatedPolicy(checkpoints.path(checkpoint), digest)
         return self.episodes.of_round(method.name, number, driver, digest)
-
-    def _share(self, method: Method, number: int) -> float | None:
-        """The expert's share in a round, where a schedule or another method says so."""
-        if method.share is not None:
-            return method.share(self.plan.schedule, number)
-        if method.share_from is None:
-            return None
-        path = self._path(method.share_from, number, "json")
-        while self._awaits and not path.exists():
-            time.sleep(POLL_S)
-        if not path.exists():
-            raise ParameterError(
-                f"{method.name} is given the expert share of {method.share_from}, which has no "
-                f"round {number} for seed {self.run_seed} yet; run {method.share_from} first"
-            )
-        return expert_share(read_result(path).executed)
 
     def _first_judged(self, start: SharedStart) -> Judged:
         stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)

@@ -72,10 +72,11 @@ def _method(
     states: float,
     followed: Sequence[Sequence[int]],
 ) -> list[list[int]]:
-    """The rounds of one method; return what the result of each waits for."""
+    """The rounds of one method; return the episodes of each, whose share another is given."""
     costs, plan = pieces.costs.methods[name], pieces.plan
     comparison = plan.comparison
-    results: list[list[int]] = []
+    rounds: list[list[int]] = []
+    judged: list[int] = []
 
     def share(number: int) -> Sequence[int]:
         return followed[number - 1] if 0 < number <= len(followed) else ()
@@ -92,10 +93,9 @@ def _method(
             "judging", pieces.costs.alone_s, driving, comparison.evaluation_episodes
         )
         # And it waits for the policy of the round before, which was judged meanwhile.
-        waits = [*driving, *(results[-1] if results else ())]
-        measured = pieces.add("fit", costs.measure_s, waits)
+        measured = pieces.add("fit", costs.measure_s, [*driving, *judged])
         if number == plan.schedule.rounds:
-            final = comparison.final_episodes
-            judging += pieces.add("judging", pieces.costs.alone_s, measured, final)
-        results.append([*measured, *judging])
-    return results
+            pieces.add("judging", pieces.costs.alone_s, measured, comparison.final_episodes)
+        judged = judging
+        rounds.append(driven)
+    return rounds
