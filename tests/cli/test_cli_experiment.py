@@ -9,6 +9,7 @@ import pytest
 
 from sheath_manip.cli.planned import asked_policy
 from sheath_manip.experiments.gates.plan import PLANS
+from sheath_manip.experiments.scale.costs import Costs, Line, MethodCosts
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.rollout.executing import Executing
@@ -96,6 +97,23 @@ def test_experiment_goes_to_a_cluster(sheath, asked):
         Executing("ray"),
         Executing("ray", 64, "head:6379"),
     ]
+
+
+def test_experiment_estimates_and_runs_nothing_else(sheath, asked, monkeypatch):
+    def measured(task, plan, directory, report) -> Costs:
+        del task, directory, report
+        method = MethodCosts(1.0, 1.0, Line(1.0, 0.0), 1.0, 10.0)
+        return Costs(
+            1.0, 1.0, 10.0, Line(1.0, 0.0), dict.fromkeys(plan.comparison.methods, method), 1e6, 1e5
+        )
+
+    monkeypatch.setattr("sheath_manip.experiments.scale.estimate.measure_costs", measured)
+    code, out, _ = sheath("experiment", "corridor", "--estimate")
+    assert code == 0
+    assert "4 devices" in out
+    assert "the longest chain is" in out
+    assert asked == []
+    assert Path("runs/corridor-estimate/costs.json").exists()
 
 
 def test_experiment_fresh_keeps_the_earlier_run(sheath, asked, tmp_path):

@@ -3,8 +3,10 @@
 import io
 import json
 import shutil
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rich.console import Console
@@ -15,6 +17,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments import learning
 from sheath_manip.experiments.learning import PREPARE, Job, next_jobs, run_experiment
 from sheath_manip.rollout.executing import Executing
+from tests.rollout.two_nodes import two_nodes
 from tests.run_files import digests, measured
 from tests.toy import PLAN, STUDY
 
@@ -68,6 +71,32 @@ def summary_of(directory: Path) -> dict:
 @pytest.mark.usefixtures("_no_figures")
 def test_two_processes_give_the_numbers_of_one(here, tmp_path):
     experiment(tmp_path, workers=2)
+    assert summary_of(tmp_path) == summary_of(here)
+    assert digests(tmp_path / "runs") == digests(here / "runs")
+    assert measured(tmp_path / "runs") == measured(here / "runs")
+
+
+@pytest.fixture(scope="module")
+def nodes() -> Iterator[Any]:
+    pytest.importorskip("ray", reason="Ray is not installed: pip install 'sheath-manip[ray]'")
+    yield from two_nodes()
+
+
+# Ray's own start is full of what Python will not have in the future.
+@pytest.mark.filterwarnings("default")
+@pytest.mark.soak
+@pytest.mark.timeout(1500)
+@pytest.mark.usefixtures("_no_figures")
+def test_a_cluster_of_two_nodes_gives_the_numbers_of_one_process(here, nodes, tmp_path):
+    run_experiment(
+        STUDY,
+        EXPERIMENT,
+        runs=tmp_path / "runs",
+        results=tmp_path / "results",
+        command="none",
+        executing=Executing("ray", 2, nodes.address),
+        console=Console(file=io.StringIO()),
+    )
     assert summary_of(tmp_path) == summary_of(here)
     assert digests(tmp_path / "runs") == digests(here / "runs")
     assert measured(tmp_path / "runs") == measured(here / "runs")
