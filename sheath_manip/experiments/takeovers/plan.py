@@ -60,6 +60,8 @@ class TakeoversPlan:
         default_factory=lambda: {"driving": Quota(failing=14, most=240)}
     )
     """another quota, by task: where policies fail seldom"""
+    stretch_s: Mapping[str, float] = field(default_factory=lambda: {"platformer": 6.0})
+    """length of a scene, by task; of all others it is the whole episode"""
     tuning_share: float = 0.4
     """of those numbers, for the tuning lot"""
     signals: tuple[str, ...] = ("default", "precedent")
