@@ -285,7 +285,8 @@ def _connect(ray: Any, workers: int | None, address: str | None) -> None:
             ray.init("local", num_cpus=workers, include_dashboard=False, **quiet)
         else:
             ray.init(address, **quiet)
-    except (OSError, RuntimeError, ValueError) as error:
+    except Exception as error:
+        # Ray raises many kinds; of a machine too busy to start one in 30 s the bare one.
         at = "on this machine" if address is None else f"at {address}"
         raise SetupError(
             f"no cluster of Ray {at} ({_lines(error)[0]}); wanted one that `ray start` began, "

@@ -1,6 +1,6 @@
 """A cluster of Ray on this machine: each file of tests makes a fixture of the scope it needs."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -14,12 +14,25 @@ def two_nodes() -> Iterator[Any]:
             patch.setenv(name, value)
         from ray.cluster_utils import Cluster  # pyright: ignore[reportMissingImports] - an extra
 
-        options = {"num_cpus": 2, "object_store_memory": 100 * 2**20}
-        cluster = Cluster(
-            initialize_head=True, head_node_args=options | {"include_dashboard": False}
-        )
-        cluster.add_node(**options)
+        cluster = _begun(Cluster)
         try:
             yield cluster
         finally:
             cluster.shutdown()
+
+
+def _begun(make: Callable[..., Any], tries: int = 3) -> Any:
+    options = {"num_cpus": 2, "object_store_memory": 100 * 2**20}
+    for left in reversed(range(tries)):
+        head = options | {"include_dashboard": False}
+        cluster = make(initialize_head=False)
+        try:
+            cluster.add_node(**head)
+            cluster.add_node(**options)
+            return cluster
+        except Exception:
+            # Ray gives a node 30 s to start, which a busy machine may take.
+            cluster.shutdown()
+            if not left:
+                raise
+    raise AssertionError
