@@ -8,6 +8,7 @@ from typing import Any
 from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.rollout.executing import Executing
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Asked:
     """`full` or `quick`"""
     seeds: tuple[int, ...] | None
     """Seeds of the training runs, the plan's where None."""
-    workers: int
+    executing: Executing
     runs: Path
     results: Path
     fresh: bool
@@ -73,7 +74,7 @@ def _run(
         runs=asked.runs,
         results=asked.results,
         command=session.command,
-        workers=asked.workers,
+        executing=asked.executing,
         console=session.out,
     )
 

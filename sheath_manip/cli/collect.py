@@ -8,6 +8,7 @@ from rich.text import Text
 
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.cli.where import Where
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,8 +25,7 @@ class Collect:
     """seed from which the scenes follow"""
     variant: str = "default"
     """variant of the task"""
-    workers: int = 0
-    """worker processes that run the episodes; with 0 they run in this one"""
+    where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
     dashboard: bool = False
     """show the run in the browser"""
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
@@ -47,7 +47,7 @@ class Collect:
         with (
             self.address.listeners(self.dashboard, spec, session) as listeners,
             session.progress("demonstrations", self.episodes) as report,
-            executor_of(self.workers, self.dashboard) as executor,
+            executor_of(self.where, self.dashboard) as executor,
         ):
             store = EpisodeStore.create(self.store)
             infos = [

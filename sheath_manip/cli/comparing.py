@@ -1,12 +1,13 @@
 """Options that `sheath experiment` has for a task's methods and for a benchmark alike."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from sheath_manip.cli.options import TaskName, default_is
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.cli.options import WITHOUT_PREFIX, TaskName, default_is
+from sheath_manip.cli.where import Where
+from sheath_manip.rollout.executing import Executing
 
 WORKERS = 2
 """Number of workers by default: each holds its training seed's images in RAM."""
@@ -32,8 +33,7 @@ class Comparing:
     """directory for episodes and checkpoints"""
     fresh: bool = False
     """begin anew and move aside what an earlier run left"""
-    workers: Annotated[int | None, default_is("at most 2")] = None
-    """number of processes"""
+    where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
 
     @property
     def size(self) -> str:
@@ -50,8 +50,6 @@ class Comparing:
         runs = self.runs or Path("runs") / name
         return runs, self.out or (Path("results") / name if full else runs / "results")
 
-    def processes(self) -> int:
-        """Return the number of workers; raises ParameterError for fewer than none."""
-        if self.workers is not None and self.workers < 0:
-            raise ParameterError(f"workers is {self.workers}; wanted at least 0")
-        return min(WORKERS, os.cpu_count() or 1) if self.workers is None else self.workers
+    def executing(self) -> Executing:
+        """Return where episodes run, by default in at most two workers of this machine."""
+        return self.where.executing.by_default(min(WORKERS, os.cpu_count() or 1))

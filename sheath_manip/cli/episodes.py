@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.session import Session
+from sheath_manip.cli.where import Where
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.metrics import (
@@ -20,9 +21,7 @@ from sheath_manip.metrics import (
 )
 from sheath_manip.protocols import Environment, Listener, Report
 from sheath_manip.rollout.executor import Executor, unheard
-from sheath_manip.rollout.processes import ProcessExecutor
 from sheath_manip.rollout.request import EpisodeRequest
-from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 
 
@@ -37,18 +36,17 @@ def opened(task: Task, variant: str, run_seed: int = 0) -> Iterator[Environment]
 
 
 @contextmanager
-def executor_of(workers: int, watched: bool = False) -> Iterator[Executor]:
-    """Run episodes in so many worker processes, or with 0 in this one; ended at the end.
+def executor_of(where: Where, watched: bool = False) -> Iterator[Executor]:
+    """Run episodes where the line says, by default in this process; ended at the end.
 
-    ParameterError for fewer, or where a page or a person wants to follow into other processes.
+    ParameterError where a page or a person wants to follow into other processes.
     """
-    if workers < 0:
-        raise ParameterError(f"workers is {workers}; wanted at least 0")
-    if workers and watched:
+    executing = where.executing
+    if watched and not executing.here:
         raise ParameterError(
-            f"workers is {workers}; a page and a person follow what runs in this process: wanted 0"
+            f"{executing}; a page and a person follow what runs in this process: wanted 0 workers"
         )
-    executor = ProcessExecutor(workers) if workers else SerialExecutor()
+    executor = executing.made()
     try:
         yield executor
     finally:

@@ -1,11 +1,13 @@
 """`sheath evaluate`: a policy alone, on scenes that nothing was trained or tuned on."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-from sheath_manip.cli.options import TaskName
+from sheath_manip.cli.options import WITHOUT_PREFIX, TaskName
 from sheath_manip.cli.session import Session, at_least_one
+from sheath_manip.cli.where import Where
 from sheath_manip.learning.config import Comparison
 
 
@@ -23,8 +25,7 @@ class Evaluate:
     """variant of the task"""
     scenes: str = Comparison.held_out_set
     """name of the set of scenes; tune on another than you report"""
-    workers: int = 0
-    """worker processes that run the episodes; with 0 they run in this one"""
+    where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
     json: bool = False
     """print nothing but JSON on the standard output"""
 
@@ -54,7 +55,7 @@ class Evaluate:
             number=checkpoint.round,
         )
         with (
-            executor_of(self.workers) as executor,
+            executor_of(self.where) as executor,
             session.progress("held-out scenes", self.episodes) as report,
         ):
             records = [record_of(each) for each in executor.map(requests, report=report)]

@@ -1,6 +1,7 @@
 """`sheath experiment`: rounds of learning by several methods on a task, or a benchmark."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Annotated, Any
 
 from sheath_manip.cli.aside import move_aside
@@ -11,9 +12,11 @@ from sheath_manip.cli.own_tasks import is_reference
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import OWN_TASK, Session, Verb
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.study import Study
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
+from sheath_manip.rollout.executing import Executing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +34,7 @@ class Benchmark(Comparing):
         if self.seeds == ():
             raise ParameterError("seeds is empty; wanted at least one")
         runs, results = self.directories(self.task)
-        asked = Asked(self.size, self.seeds, self.processes(), runs, results, self.fresh)
+        asked = Asked(self.size, self.seeds, self.executing(), runs, results, self.fresh)
         BENCHMARKS[self.task](asked, session)
         return 0
 
@@ -54,6 +57,9 @@ class Experiment(Comparing, Planned):
     comparison: Annotated[Comparison, WITHOUT_PREFIX] = field(default_factory=Comparison)
     figures: Annotated[tuple[str, ...] | None, default_is("all")] = None
     """file names of the figures to draw"""
+    estimate: bool = False
+    """say how long the run would take on how many cores and devices, from a trial of some minutes
+    on one core, and run nothing else"""
     dashboard: bool = False
     """show the run in the browser, and run all in this process"""
     hold: bool = False
@@ -80,8 +86,10 @@ class Experiment(Comparing, Planned):
         plan = LearningPlan(policy, self.gate, self.schedule, self.comparison)
         if self.figures == ():
             raise ParameterError("figures is empty; wanted at least one")
-        workers = self.processes()
+        executing = self.executing()
         runs, results = self.directories(study.name)
+        if self.estimate:
+            return self._estimate(study, plan, runs.with_name(f"{runs.name}-estimate"), session)
         # Only now: torch takes seconds to import.
         from sheath_manip.experiments.learning import run_experiment
         from sheath_manip.learning.methods import method_named
@@ -99,7 +107,7 @@ class Experiment(Comparing, Planned):
                 runs=runs,
                 results=results,
                 command=session.command,
-                workers=workers,
+                executing=executing,
                 figures=self.figures,
                 listeners=listeners,
                 console=session.out,
@@ -110,14 +118,25 @@ class Experiment(Comparing, Planned):
                     dashboard.hold_open()
         return 0
 
-    def processes(self) -> int:
-        """Return the number of workers; none but this process with a page."""
-        workers = super().processes()
-        if not self.dashboard:
-            return workers
-        if self.workers:
-            raise ParameterError(
-                f"workers is {self.workers}; the page shows what runs in this process, "
-                "so wanted 0 (or nothing) with --dashboard"
-            )
+    @staticmethod
+    def _estimate(study: Study, plan: LearningPlan, directory: Path, session: Session) -> int:
+        # Only now: torch takes seconds to import.
+        from sheath_manip.experiments.scale.costs import trial_of
+        from sheath_manip.experiments.scale.estimate import estimated_costs, print_estimate
+
+        with session.progress("a small run", trial_of(plan).units()) as report:
+            costs = estimated_costs(study, plan, directory, report)
+        print_estimate(costs, plan, session.out)
         return 0
+
+    def executing(self) -> Executing:
+        """Return where episodes run: with a page in this process only."""
+        if not self.dashboard:
+            return super().executing()
+        asked = self.where.executing
+        if not asked.here:
+            raise ParameterError(
+                f"{asked}; the page shows what runs in this process, "
+                "so wanted 0 workers (or nothing) with --dashboard"
+            )
+        return Executing(workers=0)

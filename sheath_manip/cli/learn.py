@@ -14,6 +14,7 @@ from sheath_manip.cli.operated import PERSON, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
+from sheath_manip.cli.where import Where
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
@@ -60,8 +61,7 @@ class Learn(Planned):
     """learn also from expert episodes that did not succeed, by what was recorded or marked"""
     seed: int = 0
     """seed of the training run"""
-    workers: int = 0
-    """worker processes that run the episodes; with 0 they run in this one"""
+    where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
     dashboard: bool = False
     """show the run in the browser; with a person it always is"""
     operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
@@ -144,7 +144,7 @@ class Learn(Planned):
         described = plan.described() | ({"failures": True} if self.failures else {})
         require_same_plan(described, self.runs / "plan.json")
         with (
-            executor_of(self.workers, bool(listeners)) as executor,
+            executor_of(self.where, bool(listeners)) as executor,
             session.progress("episodes and fits", plan.units()) as report,
         ):
             learning = LearningRun(

@@ -17,8 +17,8 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.evaluation import evaluation_requests
 from sheath_manip.metrics import figures_of, record_of
 from sheath_manip.protocols import Environment, Expert, Listener, Report
+from sheath_manip.rollout.executor import Executor
 from sheath_manip.rollout.request import Crew
-from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
 
 
@@ -44,7 +44,7 @@ class BaselineJob:
     runs: Path
     name: str
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Act in the expert's place on the final scenes, unless that is done."""
         del listeners
         path, comparison = _path(self.runs, self.name), self.plan.comparison
@@ -65,8 +65,7 @@ class BaselineJob:
             method=self.name,
             run_seed=run_seed,
         )
-        with SerialExecutor() as executor:
-            records = [record_of(each) for each in executor.map(requests, report=report)]
+        records = [record_of(each) for each in executor.map(requests, report=report)]
         write_json(path, plain(asdict(figures_of(records))))
 
 

@@ -28,7 +28,8 @@ from sheath_manip.learning.resuming import require_same_plan
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
-from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.rollout.executing import TWO, Executing
+from sheath_manip.rollout.executor import Executor
 from sheath_manip.task import Task
 from sheath_manip.types import Purpose
 
@@ -46,26 +47,25 @@ class Job:
     seed: int
     method: str
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do what is not done yet."""
-        store = EpisodeStore(self.runs / "store")
-        with SerialExecutor() as executor:
-            learning = LearningRun(
-                self.task,
-                self.plan,
-                self.seed,
-                self.runs,
-                store,
-                executor,
-                listeners,
-                report,
-                # All methods are held against each other by all that the expert showed.
-                failures=True,
-            )
-            if self.method == PREPARE:
-                learning.prepare()
-            else:
-                learning.run(self.method)
+        learning = LearningRun(
+            self.task,
+            self.plan,
+            self.seed,
+            self.runs,
+            EpisodeStore(self.runs / "store"),
+            executor,
+            listeners,
+            report,
+            # All methods are held against each other by all that the expert showed.
+            failures=True,
+            awaits=self.plan.rounds_are_known,
+        )
+        if self.method == PREPARE:
+            learning.prepare()
+        else:
+            learning.run(self.method)
 
 
 def run_experiment(
@@ -75,20 +75,23 @@ def run_experiment(
     runs: Path,
     results: Path,
     command: str,
-    workers: int = 2,
+    executing: Executing = TWO,
     figures: Sequence[str] | None = None,
     listeners: Sequence[Listener] = (),
     console: Console | None = None,
 ) -> dict[str, Any]:
     """Run or resume the experiment under `runs`; write summary.json and figures to `results`.
 
-    With `workers` 0 all runs in this process, one after the other, and `listeners` follow it; a
-    listener cannot follow into worker processes. `figures` names those to draw; None means all.
-    Returns the summary. Raises UnknownNameError before anything runs.
+    `executing` says where episodes run. Where that is this process, all runs in it, one after the
+    other, and `listeners` follow it; a listener cannot follow into other processes. `figures`
+    names those to draw; None means all. Returns the summary. Raises UnknownNameError before
+    anything runs.
     """
     console = console or Console()
-    if listeners and workers:
-        raise ParameterError(f"listeners follow one process only; wanted workers 0, got {workers}")
+    if listeners and not executing.here:
+        raise ParameterError(
+            f"listeners follow one process only; wanted workers 0, but {executing}"
+        )
     task = study.task
     known = (*FIGURES, *study.figures)
     for name in figures or ():
@@ -112,7 +115,7 @@ def run_experiment(
     ]
     units = plan.units() + plan.comparison.final_episodes * len(held_against)
     with shown_progress(console, units, stopwatch) as report:
-        run_jobs(jobs, _next_jobs, workers, report, listeners)
+        run_jobs(jobs, next_jobs, executing, report, listeners)
     wall_s = stopwatch.tick(force=True)
     summary = _summary(study, plan, runs, command, wall_s)
     write_json(results / "summary.json", summary)
@@ -129,17 +132,25 @@ def _require_learnable(task: Task, plan: LearningPlan) -> None:
     require_learnable(environment.spec, plan, plan.comparison.methods)
 
 
-def _next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
-    """What can start after `done`: a seed's methods, then those that follow another's share."""
+def next_jobs(done: Job | BaselineJob) -> list[Job]:
+    """What can start after `done`: a seed's methods, each after the one that it follows, if any.
+
+    One that follows begins beside the other, and waits for its rounds, unless these may be fewer
+    than planned.
+    """
     if isinstance(done, BaselineJob):
         return []
     plan = done.plan
     methods = [method_named(name) for name in plan.comparison.methods]
     wanted = None if done.method == PREPARE else done.method
-    ready = [method.name for method in methods if method.share_from == wanted]
-    # What others wait for goes first.
-    ready.sort(key=lambda name: all(method.share_from != name for method in methods))
-    return [Job(done.task, plan, done.runs, done.seed, name) for name in ready]
+    if plan.rounds_are_known:
+        ready = methods if wanted is None else []
+    else:
+        ready = [method for method in methods if method.share_from == wanted]
+    # What others wait for goes first, and what waits last.
+    followed = {method.share_from for method in methods}
+    ready = sorted(ready, key=lambda each: (each.share_from is not None, each.name not in followed))
+    return [Job(done.task, plan, done.runs, done.seed, method.name) for method in ready]
 
 
 def _summary(

@@ -11,37 +11,45 @@ from typing import Any, Protocol, TypeVar
 
 from sheath_manip.exceptions import WorkerError
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.executing import Executing
+from sheath_manip.rollout.executor import Executor
 from sheath_manip.rollout.interrupts import deaf_children
+from sheath_manip.rollout.shared import Exchange, SharedExecutor
 from sheath_manip.rollout.threads import single_threaded
 
 
 class Job(Protocol):
-    """A piece of an experiment; it travels to a worker process and back, so keep it small."""
+    """A piece of an experiment; it travels to another process and back, so keep it small."""
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
-        """Do what is not done yet."""
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
+        """Do what is not done yet; `executor` runs episodes, also for the jobs beside this one."""
         ...
 
 
 AnyJob = TypeVar("AnyJob", bound=Job)
+CORES = os.cpu_count() or 1
 
 
 def run_jobs(
     jobs: Sequence[AnyJob],
     following: Callable[[AnyJob], Sequence[AnyJob]],
-    workers: int,
+    executing: Executing,
     report: Report,
     listeners: Sequence[Listener] = (),
 ) -> None:
-    """Run `jobs`, and after each the ones `following` it, in so many processes.
+    """Run `jobs`, and after each the ones `following` it, side by side where episodes are.
 
-    With `workers` 0 all run in this process, one after the other, and `listeners` follow them.
+    Each job fits and measures in a process of this machine, as many at once as there are workers
+    or cores here; they share the workers that run episodes, so that none idles while one job fits.
+    Where episodes run in this process all does, one after the other, and `listeners` follow.
     """
-    if workers == 0:
-        with single_threaded():
-            _run_here(jobs, following, report, listeners)
+    if executing.here:
+        with single_threaded(), executing.made() as executor:
+            _run_here(jobs, following, executor, report, listeners)
     else:
-        _run_in_processes(jobs, following, workers, report)
+        with executing.elsewhere() as executor, Exchange(executor) as exchange:
+            most = min(executing.workers or CORES, CORES)
+            _run_in_processes(jobs, following, most, exchange.address, report)
 
 
 def in_stages(
@@ -66,23 +74,26 @@ def in_stages(
 def _run_here(
     jobs: Sequence[AnyJob],
     following: Callable[[AnyJob], Sequence[AnyJob]],
+    executor: Executor,
     report: Report,
     listeners: Sequence[Listener],
 ) -> None:
     waiting = list(jobs)
     while waiting:
         job = waiting.pop(0)
-        job.run(report, listeners)
+        job.run(executor, report, listeners)
         waiting = [*following(job), *waiting]
 
 
 _reports: Any = None
-"""in a worker process: where its progress goes"""
+"""in a job's process: where its progress goes"""
+_exchange: str = ""
+"""in a job's process: where it asks for episodes"""
 
 
-def _start_worker(reports: Any) -> None:
-    global _reports
-    _reports = reports
+def _start_process(reports: Any, exchange: str) -> None:
+    global _reports, _exchange
+    _reports, _exchange = reports, exchange
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -96,14 +107,15 @@ def _end_with_parent() -> None:
 
 def _run_job(job: AnyJob) -> AnyJob:
     with single_threaded():
-        job.run(_reports.put)
+        job.run(SharedExecutor(_exchange), _reports.put)
     return job
 
 
 def _run_in_processes(
     jobs: Sequence[AnyJob],
     following: Callable[[AnyJob], Sequence[AnyJob]],
-    workers: int,
+    most: int,
+    exchange: str,
     report: Report,
 ) -> None:
     # Spawned, not forked: neither torch's threads nor a GL context survive a fork.
@@ -112,7 +124,7 @@ def _run_in_processes(
     stop = threading.Event()
     drain = threading.Thread(target=_drain, args=(reports, report, stop), daemon=True)
     drain.start()
-    pool = ProcessPoolExecutor(workers, context, _start_worker, (reports,))
+    pool = ProcessPoolExecutor(most, context, _start_process, (reports, exchange))
 
     def submitted(jobs: Sequence[AnyJob]) -> set[Future[AnyJob]]:
         # Which starts a process, while there are not so many.

@@ -1,6 +1,6 @@
 """Asks for the episodes of a training run: what its store has is read, the rest is run."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from sheath_manip.dataset.sessions import begun, new_session
 from sheath_manip.dataset.store import EpisodeStore
@@ -51,41 +51,31 @@ class RunEpisodes:
         self._demonstrated = demonstrated
         self._session = new_session()
 
-    def demonstrations(self) -> list[Episode]:
-        """Run or read those that are trained on before round 1."""
+    def demonstrations(self) -> Iterator[Episode]:
+        """Ask for those that are trained on before round 1."""
         schedule = self.schedule
         if schedule.demonstration_noise == 0:
             return self._by_expert(Purpose.DEMONSTRATION, schedule.demonstrations)
         driver = NoisyExpert(schedule.demonstration_noise)
         return self._episodes(Purpose.DEMONSTRATION, EXPERT, 0, schedule.demonstrations, driver)
 
-    def held_out(self) -> list[Episode]:
-        """Run or read those for the threshold, and then those for measuring false alarms."""
+    def held_out(self) -> Iterator[Episode]:
+        """Ask for those for the threshold, and then for those for measuring false alarms."""
         count = self.schedule.calibration + self.schedule.false_alarm_episodes
         return self._by_expert(Purpose.CALIBRATION, count)
 
-    def of_round(self, method: str, number: int, driver: Driver, digest: str) -> list[Episode]:
-        """Run or read those of a round, whose checkpoint has that digest."""
+    def of_round(self, method: str, number: int, driver: Driver, digest: str) -> Iterator[Episode]:
+        """Ask for those of a round, whose checkpoint has that digest."""
         count = self.schedule.episodes
         return self._episodes(
             Purpose.LEARNING, method, number, count, driver, self._supervised, digest
         )
 
-    def _by_expert(self, purpose: Purpose, count: int) -> list[Episode]:
-        return self._episodes(purpose, EXPERT, 0, count, ExpertAlone(), self._demonstrated)
-
-    def _episodes(
-        self,
-        purpose: Purpose,
-        method: str,
-        number: int,
-        count: int,
-        driver: Driver,
-        beside: Beside | None = None,
-        checkpoint: str = "",
-    ) -> list[Episode]:
-        """Run or read `count` episodes of round `number`; all of them are on the disk then."""
-        infos = [
+    def infos(
+        self, purpose: Purpose, method: str, number: int, count: int, checkpoint: str = ""
+    ) -> list[EpisodeInfo]:
+        """Return which episodes a round has, whether they are there or not."""
+        return [
             EpisodeInfo.of(
                 self.spec,
                 variant=self.schedule.variant,
@@ -100,8 +90,24 @@ class RunEpisodes:
             )
             for index in range(count)
         ]
+
+    def _by_expert(self, purpose: Purpose, count: int) -> Iterator[Episode]:
+        return self._episodes(purpose, EXPERT, 0, count, ExpertAlone(), self._demonstrated)
+
+    def _episodes(
+        self,
+        purpose: Purpose,
+        method: str,
+        number: int,
+        count: int,
+        driver: Driver,
+        beside: Beside | None = None,
+        checkpoint: str = "",
+    ) -> Iterator[Episode]:
+        """Ask for `count` episodes of round `number`; once all were given, all are on the disk."""
+        infos = self.infos(purpose, method, number, count, checkpoint)
         if beside is not None:
             # The same scene by hand again is another episode.
             infos, driver = begun(self.store, infos, self._session), beside(driver)
         requests = [EpisodeRequest(self.task, info, driver) for info in infos]
-        return list(self.executor.map(requests, self.store, self.listeners, self.report))
+        return self.executor.map(requests, self.store, self.listeners, self.report)

@@ -103,6 +103,11 @@ class LearningPlan:
         first = prepare + comparison.evaluation_episodes
         return len(comparison.seeds) * (first + len(comparison.methods) * of_method)
 
+    @property
+    def rounds_are_known(self) -> bool:
+        """Whether there are as many rounds as planned, whatever they show."""
+        return self.schedule.stop_below_loss <= 0
+
     def changed(self, **parts: Mapping[str, Any]) -> Self:
         """Return the plan with other values, such as `changed(schedule={"rounds": 2})`.
 

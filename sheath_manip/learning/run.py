@@ -5,12 +5,11 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.asking import Beside, RunEpisodes
 from sheath_manip.learning.beforehand import with_final_variant
 from sheath_manip.learning.checkpoint import Checkpoint
@@ -19,19 +18,19 @@ from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
 from sheath_manip.learning.demonstrations import is_learned_from, learned_from
 from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 from sheath_manip.learning.evaluation import Evaluation
+from sheath_manip.learning.following import ExpertShares
 from sheath_manip.learning.judged import Judged, Measuring
 from sheath_manip.learning.methods import METHODS, Method, method_named
 from sheath_manip.learning.results import (
     EXPERT,
     RoundListener,
     RoundResult,
-    read_result,
     round_path,
     round_results,
 )
 from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
-from sheath_manip.metrics import expert_share, record_of
+from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
@@ -60,12 +59,14 @@ class LearningRun:
         supervised: Beside | None = None,
         demonstrated: Beside | None = None,
         failures: bool = False,
+        awaits: bool = False,
     ) -> None:
         """Store what is learned, and who runs the episodes.
 
         `supervised` puts a person beside what drives each learning episode, and `demonstrated`
         beside the expert of those before: where the expert is a person at the controls. With
-        `failures` expert episodes that did not succeed are learned from as well.
+        `failures` expert episodes that did not succeed are learned from as well; with `awaits` the
+        rounds of a method that is followed run in another process, and are waited for.
         """
         self.task = task
         self.plan = with_final_variant(task, plan)
@@ -91,13 +92,15 @@ class LearningRun:
         self.left_out: list[Outcome] = []
         """how the expert episodes ended that were not learned from"""
         self._failures = failures
+        self._shares = ExpertShares(self.episodes, directory, store, awaits)
 
     def start(self) -> SharedStart:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
         schedule = self.plan.schedule
         self.left_out.clear()
-        demonstrations = self._learned_from(self.episodes.demonstrations(), 1)
-        held_out = self.episodes.held_out()
+        demonstrated, held_out = self.episodes.demonstrations(), self.episodes.held_out()
+        demonstrations = self._learned_from(list(demonstrated), 1)
+        held_out = list(held_out)
         new = held_out[schedule.calibration :]
         held_out = self._learned_from(held_out[: schedule.calibration], LEAST_CALIBRATION)
         checkpoints = Checkpoints(
@@ -132,13 +135,14 @@ class LearningRun:
         judged, results = self._first_judged(start), list[RoundResult]()
         labelled, names = [start.demonstrations], list(start.names)
         checkpoint = start.checkpoints.begun(
-            method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
+            method, start.checkpoint, start.demonstrations, start.names, self._shares.of(method, 1)
         )
+        ahead = None
         while not judged.last:
             if not self.executor.overlaps:
                 self._finish(judged, results)
             number = judged.number + 1
-            episodes = self._learning_episodes(start, method, number, checkpoint)
+            episodes = list(ahead or self._learning_episodes(start, method, number, checkpoint))
             visited = visited_from(episodes)
             if visited.is_labelled.any():
                 labelled.append(visited.labelled())
@@ -151,9 +155,12 @@ class LearningRun:
                 aggregated,
                 visited,
                 names,
-                self._share(method, min(number + 1, self._rounds_of(method.name))),
+                self._shares.of(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
+            # They run while this round is measured.
+            more = self._surely_goes_on(method.name, number)
+            ahead = self._learning_episodes(start, method, number + 1, refitted) if more else None
             if self.executor.overlaps:
                 # That policy was alone on its scenes while this round was collected and fitted to.
                 self._finish(judged, results)
@@ -184,25 +191,11 @@ class LearningRun:
 
     def _learning_episodes(
         self, start: SharedStart, method: Method, number: int, checkpoint: Checkpoint
-    ) -> list[Episode]:
+    ) -> Iterator[Episode]:
         checkpoints = start.checkpoints
         digest = checkpoints.digest(checkpoint)
         driver = GatedPolicy(checkpoints.path(checkpoint), digest)
         return self.episodes.of_round(method.name, number, driver, digest)
-
-    def _share(self, method: Method, number: int) -> float | None:
-        """The expert's share in a round, where a schedule or another method says so."""
-        if method.share is not None:
-            return method.share(self.plan.schedule, number)
-        if method.share_from is None:
-            return None
-        path = self._path(method.share_from, number, "json")
-        if not path.exists():
-            raise ParameterError(
-                f"{method.name} is given the expert share of {method.share_from}, which has no "
-                f"round {number} for seed {self.run_seed} yet; run {method.share_from} first"
-            )
-        return expert_share(read_result(path).executed)
 
     def _first_judged(self, start: SharedStart) -> Judged:
         stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
@@ -223,9 +216,8 @@ class LearningRun:
         path = self._path(fitted.method, fitted.round, "json")
         if path.exists():
             return Judged.before(path)
-        begin_s = time.perf_counter()
+        begin_s, digest = time.perf_counter(), start.checkpoints.digest(fitted)
         evaluation = Evaluation(self.task, self.plan, self.spec, self.executor, self.report)
-        digest = start.checkpoints.digest(fitted)
         alone = PolicyAlone(start.checkpoints.path(fitted), digest)
         policy = evaluation.of(alone, fitted)
         episodes = list(episodes)
@@ -253,8 +245,13 @@ class LearningRun:
 
     def _is_last(self, method: str, number: int, surrogate_loss: float) -> bool:
         # In round 0 the expert drove; its states say nothing about the policy.
-        good_enough = number > 0 and surrogate_loss < self.plan.schedule.stop_below_loss
-        return number == self._rounds_of(method) or good_enough
+        ends = number > 0 and surrogate_loss < self.plan.schedule.stop_below_loss
+        return ends or number == self._rounds_of(method)
+
+    def _surely_goes_on(self, method: str, number: int) -> bool:
+        """Whether a round follows, whatever this one shows, and runs as soon as it is asked for."""
+        known = self.plan.rounds_are_known and self.executor.overlaps
+        return known and number < self._rounds_of(method)
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""

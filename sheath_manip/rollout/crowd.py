@@ -1,21 +1,40 @@
-"""Worker processes and who of them runs what; one that is lost is replaced."""
+"""Workers and who of them runs what, wherever they are; one that is lost is replaced."""
 
-import multiprocessing
-import queue
 import threading
-from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from queue import SimpleQueue
+from typing import Protocol
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.exceptions import ParameterError, WorkerError
-from sheath_manip.rollout.interrupts import deaf_children
-from sheath_manip.rollout.worker import Answer, Errand, serve
+from sheath_manip.rollout.worker import Answer, Errand
 
 MOST_TRIES = 3
 """of an episode whose worker was lost: one that kills every worker is not to be had"""
+
+
+class LostWorkerError(Exception):
+    """A worker is no more; says what became of it."""
+
+
+class Worker(Protocol):
+    """Runs errands somewhere else, one after the other."""
+
+    def begin(self) -> None:
+        """Wait until it is there; raises LostWorkerError, also where another thread calls `end`.
+
+        Elsewhere it may be long in coming, or never come: it is given nothing before.
+        """
+        ...
+
+    def run(self, errand: Errand) -> Answer:
+        """Run it and wait; raises LostWorkerError, also where another thread calls `end`."""
+        ...
+
+    def end(self) -> None:
+        """End it, whatever it is at."""
+        ...
 
 
 @dataclass(eq=False)
@@ -23,8 +42,10 @@ class Ticket:
     """An errand on its way."""
 
     errand: Errand
-    answers: "queue.Queue[tuple[Ticket, Answer]]"
-    """where its answer goes"""
+    place: int
+    """among those that were asked for together"""
+    answers: "SimpleQueue[tuple[int, Answer]]"
+    """where its answer goes, with its place"""
     tries: int = 0
 
     @property
@@ -37,165 +58,152 @@ class Ticket:
         """Whether the episode is kept in a store."""
         return self.errand.store is not None
 
+    @property
+    def scene(self) -> tuple[object, ...]:
+        """What a worker that ran another one of the same need not make anew."""
+        request = self.errand.request
+        return request.task.name, request.info.variant, request.info.run_seed, request.driver
 
-@dataclass(eq=False)
-class _Worker:
-    process: SpawnProcess
-    connection: Connection
-    ticket: Ticket | None = None
-    place: tuple[object, ...] = field(default=())
-    """of the environment that it has"""
+    def answer(self, answer: Answer) -> None:
+        """Give the answer to the one that asked."""
+        self.answers.put((self.place, answer))
 
 
 class Crowd:
-    """So many workers, started as they are needed, and a thread that hands errands out to them."""
+    """So many workers, hired as they are needed, each with a thread that hands errands to it."""
 
-    def __init__(self, workers: int) -> None:
-        """Store how many; ParameterError for less than one."""
+    def __init__(self, workers: int, hire: Callable[[], Worker]) -> None:
+        """Store how many and how to hire one; ParameterError for less than one."""
         if workers < 1:
             raise ParameterError(f"workers is {workers}; wanted at least 1")
         self.workers = workers
-        # Spawned, not forked: neither torch's threads nor a GL context survive a fork.
-        self._context = multiprocessing.get_context("spawn")
-        self._lock = threading.Lock()
-        self._pending: deque[Ticket] = deque()
-        self._woken, self._wake = self._context.Pipe(duplex=False)
-        self._hired: list[_Worker] = []
+        self._hire = hire
+        self._changed = threading.Condition()
+        # All below only under that lock.
+        self._pending: list[Ticket] = []
+        self._hired: list[Worker] = []
+        self._threads: list[threading.Thread] = []
+        self._idle = 0
         self._closing = False
-        self._thread: threading.Thread | None = None
 
     def submit(self, tickets: Sequence[Ticket]) -> None:
         """Have all of them run; raises ParameterError once closed."""
-        with self._lock:
+        with self._changed:
             if self._closing:
                 raise ParameterError("the executor is closed; wanted an open one")
             # Recorded ones first, each kind in the order of asking.
-            self._pending = deque(
-                sorted((*self._pending, *tickets), key=lambda each: not each.recorded)
-            )
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._dispatch, daemon=True)
-                self._thread.start()
-            self._wake.send(None)
+            self._pending = sorted((*self._pending, *tickets), key=lambda each: not each.recorded)
+            missing = min(len(self._pending) - self._idle, self.workers - len(self._threads))
+            for _ in range(missing):
+                self._idle += 1
+                self._threads.append(threading.Thread(target=self._employ, daemon=True))
+                self._threads[-1].start()
+            self._changed.notify_all()
 
     def close(self) -> None:
         """End the workers, whatever they are at."""
-        with self._lock:
-            thread, self._thread = self._thread, None
-            if self._closing:
-                return
-            self._closing = True
-            self._wake.send(None)
-        if thread is not None:
+        self._shut("the executor was closed")
+        for thread in self._threads:
             thread.join()
 
     @property
-    def process_ids(self) -> list[int]:
-        """The process ids of the workers that run now."""
-        return [each.process.pid for each in list(self._hired) if each.process.pid is not None]
+    def hired(self) -> list[Worker]:
+        """The workers that there are now."""
+        with self._changed:
+            return list(self._hired)
 
-    # What follows belongs to the dispatching thread.
+    def _shut(self, why: str) -> None:
+        with self._changed:
+            self._closing = True
+            for worker in self._hired:
+                worker.end()
+            for ticket in self._pending:
+                ticket.answer(_not_run(ticket, why))
+            self._pending.clear()
+            self._changed.notify_all()
 
-    def _dispatch(self) -> None:
+    # What follows runs in a thread of its own for each worker.
+
+    def _employ(self) -> None:
+        worker, last = None, ()
         try:
-            while not self._closing:
-                self._hand_out()
-                busy = {each.connection: each for each in self._hired if each.ticket is not None}
-                for ready in wait([self._woken, *busy]):
-                    if ready is self._woken:
-                        self._woken.recv()
-                    else:
-                        assert isinstance(ready, Connection)
-                        self._collect(busy[ready])
-        finally:
-            for worker in self._hired:
-                worker.process.terminate()
-            for worker in self._hired:
-                worker.process.join()
-                worker.connection.close()
-            with self._lock:
-                # Also where this thread fails: those who wait for an answer would wait for ever.
-                self._closing = True
-                begun = [each.ticket for each in self._hired if each.ticket is not None]
-                unanswered, self._hired = [*begun, *self._pending], []
-                self._pending.clear()
-            for ticket in unanswered:
-                fault = WorkerError(f"{ticket.name} was not run: the executor was closed")
-                ticket.answers.put((ticket, Answer(fault=fault)))
-
-    def _hand_out(self) -> None:
-        with self._lock:
-            while self._pending:
-                idle = next((each for each in self._hired if each.ticket is None), None)
-                if idle is None and len(self._hired) >= self.workers:
+            while True:
+                worker = worker or self._new()
+                ticket = self._next(last)
+                if ticket is None:
                     return
-                worker = self._hire() if idle is None else idle
-                worker.ticket = self._next_for(worker)
-                worker.place = _place(worker.ticket)
+                last = ticket.scene
                 try:
-                    worker.connection.send(worker.ticket.errand)
-                except OSError:
-                    self._replace(worker)
-                except Exception as error:
-                    # What cannot be pickled says so in many ways, before any of it is sent.
-                    fault = WorkerError(
-                        f"{worker.ticket.name} cannot be sent to a worker process "
-                        f"({type(error).__name__}: {error}); wanted a driver and a task that can "
-                        "be pickled, or a SerialExecutor"
-                    )
-                    ticket, worker.ticket = worker.ticket, None
-                    ticket.answers.put((ticket, Answer(fault=fault)))
+                    ticket.answer(worker.run(ticket.errand))
+                except LostWorkerError as lost:
+                    self._dismiss(worker)
+                    worker = None
+                    self._again(ticket, lost)
+                with self._changed:
+                    self._idle += 1
+        except Exception as error:
+            # Those who wait for an answer would wait for ever.
+            self._shut(f"no worker can be had ({error})")
+        finally:
+            if worker is not None:
+                self._dismiss(worker)
 
-    def _next_for(self, worker: _Worker) -> Ticket:
-        """The first of its kind that wants the environment which the worker has, else the first."""
-        first = self._pending[0]
-        for ticket in self._pending:
-            if ticket.recorded is first.recorded and _place(ticket) == worker.place:
-                self._pending.remove(ticket)
-                return ticket
-        return self._pending.popleft()
+    def _new(self) -> Worker:
+        for tries in range(1, MOST_TRIES + 1):
+            worker = self._hire()
+            with self._changed:
+                self._hired.append(worker)
+                if self._closing:
+                    worker.end()
+            try:
+                worker.begin()
+                return worker
+            except LostWorkerError as lost:
+                self._dismiss(worker)
+                if tries == MOST_TRIES or self._closing:
+                    raise WorkerError(
+                        f"{tries} were lost as they started, the last {lost}"
+                    ) from lost
+        raise AssertionError
 
-    def _hire(self) -> _Worker:
-        ours, theirs = self._context.Pipe()
-        process = self._context.Process(target=serve, args=(theirs,), daemon=True)
-        with deaf_children():
-            process.start()
-        theirs.close()
-        worker = _Worker(process, ours)
-        self._hired.append(worker)
-        return worker
+    def _dismiss(self, worker: Worker) -> None:
+        with self._changed:
+            self._hired.remove(worker)
+        worker.end()
 
-    def _collect(self, worker: _Worker) -> None:
-        ticket = worker.ticket
-        assert ticket is not None
-        try:
-            answer: Answer = worker.connection.recv()
-        except (EOFError, OSError):
-            with self._lock:
-                self._replace(worker)
-            return
-        worker.ticket = None
-        ticket.answers.put((ticket, answer))
+    def _next(self, last: tuple[object, ...]) -> Ticket | None:
+        """The first of its kind that goes on with the `last` scene, else the first; or None."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._pending or self._closing)
+            if self._closing:
+                return None
+            first = self._pending[0]
+            alike = (
+                each
+                for each in self._pending
+                if each.recorded is first.recorded and each.scene == last
+            )
+            ticket = next(alike, first)
+            self._pending.remove(ticket)
+            self._idle -= 1
+            return ticket
 
-    def _replace(self, worker: _Worker) -> None:
+    def _again(self, ticket: Ticket, lost: LostWorkerError) -> None:
         """Let another one run the episode of a worker that is lost."""
-        ticket = worker.ticket
-        assert ticket is not None
-        self._hired.remove(worker)
-        worker.connection.close()
-        worker.process.join()
         ticket.tries += 1
-        if ticket.tries < MOST_TRIES:
-            self._pending.appendleft(ticket)
-            return
-        fault = WorkerError(
-            f"{ticket.name} lost {MOST_TRIES} workers, the last with "
-            f"exit code {worker.process.exitcode}; wanted one that comes to its end: is there "
-            "memory enough?"
-        )
-        ticket.answers.put((ticket, Answer(fault=fault)))
+        with self._changed:
+            if self._closing:
+                ticket.answer(_not_run(ticket, "the executor was closed"))
+            elif ticket.tries < MOST_TRIES:
+                self._pending.insert(0, ticket)
+                self._changed.notify()
+            else:
+                fault = WorkerError(
+                    f"{ticket.name} lost {MOST_TRIES} workers, the last {lost}; wanted one that "
+                    "comes to its end: is there memory enough?"
+                )
+                ticket.answer(Answer(fault=fault))
 
 
-def _place(ticket: Ticket) -> tuple[object, ...]:
-    request = ticket.errand.request
-    return request.task.name, request.info.variant, request.info.run_seed, request.driver
+def _not_run(ticket: Ticket, why: str) -> Answer:
+    return Answer(fault=WorkerError(f"{ticket.name} was not run: {why}"))

@@ -1,93 +1,61 @@
 """Episodes run in several worker processes of this machine."""
 
-import queue
-from collections.abc import Iterable, Iterator, Sequence
-from typing import ClassVar
+import multiprocessing
+import threading
 
 from sheath_manip.dataset.naming import episode_name
-from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Listener, Report
-from sheath_manip.protocols.closing import Closes
-from sheath_manip.rollout.crowd import Crowd, Ticket
-from sheath_manip.rollout.executor import unheard
-from sheath_manip.rollout.request import EpisodeRequest
-from sheath_manip.rollout.worker import Answer, Errand
-from sheath_manip.types import Episode
+from sheath_manip.exceptions import WorkerError
+from sheath_manip.rollout.crowd import Crowd, LostWorkerError
+from sheath_manip.rollout.elsewhere import CrowdExecutor
+from sheath_manip.rollout.interrupts import deaf_children
+from sheath_manip.rollout.worker import Answer, Errand, serve
+
+_starting = threading.Lock()
+"""multiprocessing starts one process at a time"""
 
 
-class ProcessExecutor(Closes):
-    """Hands requests to worker processes; one that is lost costs its episode, which is run again.
-
-    Which worker runs what, and when, changes nothing in an episode: its seeds are in its request.
-    `map` may be called from several threads at once.
-    """
-
-    overlaps: ClassVar[bool] = True
+class ProcessExecutor(CrowdExecutor):
+    """Hands requests to worker processes; one that is lost costs its episode only."""
 
     def __init__(self, workers: int) -> None:
         """Store how many; they start with the first request. ParameterError for less than one."""
-        self._crowd = Crowd(workers)
-
-    def map(
-        self,
-        requests: Iterable[EpisodeRequest],
-        store: EpisodeStore | None = None,
-        listeners: Sequence[Listener] = (),
-        report: Report = unheard,
-    ) -> Iterator[Episode]:
-        """Run each episode, or read it where the store has it; given in the requests' order.
-
-        All begin now; those that are recorded go before those that are not, since it is their
-        like that the next fit waits for. Without a store episodes come without images. Raises
-        ParameterError for listeners, which cannot follow into other processes, and WorkerError
-        where an episode cannot be run.
-        """
-        if listeners:
-            raise ParameterError("listeners follow one process only; wanted a SerialExecutor")
-        answers: queue.Queue[tuple[Ticket, Answer]] = queue.Queue()
-        asked = list(requests)
-        path = None if store is None else store.path
-        tickets = [
-            None
-            if store is not None and store.has(request.info)
-            else Ticket(Errand(request, path), answers)
-            for request in asked
-        ]
-        self._crowd.submit([ticket for ticket in tickets if ticket is not None])
-        return _answered(asked, tickets, answers, store, report)
-
-    def close(self) -> None:
-        """End the workers."""
-        self._crowd.close()
+        super().__init__(Crowd(workers, ProcessWorker))
 
 
-def _answered(
-    asked: Sequence[EpisodeRequest],
-    tickets: Sequence[Ticket | None],
-    answers: "queue.Queue[tuple[Ticket, Answer]]",
-    store: EpisodeStore | None,
-    report: Report,
-) -> Iterator[Episode]:
-    """The episodes in the requests' order, each once it is there; no ticket: the store has it."""
-    done: dict[int, Answer] = {}
-    for request, ticket in zip(asked, tickets, strict=True):
-        while ticket is not None and id(ticket) not in done:
-            finished, answer = answers.get()
-            if answer.fault is not None:
-                raise answer.fault
-            done[id(finished)] = answer
-            report(_word(finished.errand.request))
-        if ticket is None:
-            report(_word(request))
-        if store is not None:
-            yield store.read(episode_name(request.info))
-        else:
-            assert ticket is not None
-            episode = done.pop(id(ticket)).episode
-            assert episode is not None
-            yield episode
+class ProcessWorker:
+    """A worker process and the connection to it."""
 
+    def __init__(self) -> None:
+        """Start it."""
+        # Spawned, not forked: neither torch's threads nor a GL context survive a fork.
+        context = multiprocessing.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self.process = context.Process(target=serve, args=(theirs,), daemon=True)
+        with _starting, deaf_children():
+            self.process.start()
+        theirs.close()
 
-def _word(request: EpisodeRequest) -> str:
-    return f"{request.info.method} round {request.info.round}"
+    def begin(self) -> None:
+        """Do nothing: what is sent to a process waits until it has started."""
+
+    def run(self, errand: Errand) -> Answer:
+        """Run it and wait; raises LostWorkerError where the process ends before."""
+        try:
+            self._connection.send(errand)
+            return self._connection.recv()
+        except (EOFError, OSError) as error:
+            self.process.join()
+            raise LostWorkerError(f"with exit code {self.process.exitcode}") from error
+        except Exception as error:
+            # What cannot be pickled says so in many ways, before any of it is sent.
+            fault = WorkerError(
+                f"{episode_name(errand.request.info)} cannot be sent to a worker process "
+                f"({type(error).__name__}: {error}); wanted a driver and a task that can "
+                "be pickled, or a SerialExecutor"
+            )
+            return Answer(fault=fault)
+
+    def end(self) -> None:
+        """End the process, and with it the connection."""
+        self.process.terminate()
+        self.process.join()

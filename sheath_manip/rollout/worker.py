@@ -6,7 +6,9 @@ An episode is on the disk before it is answered for, so a worker may be lost at 
 import multiprocessing
 import os
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -46,7 +48,7 @@ def serve(connection: Connection) -> None:
                 errand: Errand = connection.recv()
             except EOFError:
                 return
-            connection.send(_answered(errand, workplace))
+            connection.send(answer_of(partial(run_errand, errand, workplace)))
 
 
 def without_images(episode: Episode) -> Episode:
@@ -61,17 +63,23 @@ def without_images(episode: Episode) -> Episode:
     )
 
 
-def _answered(errand: Errand, workplace: Workplace) -> Answer:
+def answer_of(call: Callable[[], Answer]) -> Answer:
+    """Return what `call` gives, or what went wrong in it as a line."""
     try:
-        if errand.store is None:
-            return Answer(without_images(workplace.run(errand.request)))
-        workplace.run(errand.request, (Recorder(EpisodeStore(errand.store)),))
-        return Answer()
+        return call()
     except SheathError as error:
         # As text and of the root's kind: what an error holds of its own need not be picklable.
         return Answer(fault=WorkerError(str(error)))
     except Exception as error:
         return Answer(fault=WorkerError(f"{type(error).__name__}: {error}"))
+
+
+def run_errand(errand: Errand, workplace: Workplace) -> Answer:
+    """Run the episode and record it, or return it without its images."""
+    if errand.store is None:
+        return Answer(without_images(workplace.run(errand.request)))
+    workplace.run(errand.request, (Recorder(EpisodeStore(errand.store)),))
+    return Answer()
 
 
 def _end_with_parent() -> None:

@@ -9,8 +9,10 @@ import pytest
 
 from sheath_manip.cli.planned import asked_policy
 from sheath_manip.experiments.gates.plan import PLANS
+from sheath_manip.experiments.scale.costs import Costs, Line, MethodCosts
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.policies.config import PolicyConfig
+from sheath_manip.rollout.executing import Executing
 from tests.toy import PLAN, STUDY
 
 
@@ -37,7 +39,7 @@ def test_experiment_hands_over_its_settings(sheath, asked):
     assert (call["plan"].comparison.seeds, call["plan"].schedule.rounds) == ((4, 5), 3)
     assert call["plan"].comparison.methods == ("cloning",)
     assert (call["runs"], call["results"]) == (Path("runs/corridor"), Path("results/corridor"))
-    assert (call["workers"], list(call["listeners"])) == (1, [])
+    assert (call["executing"], list(call["listeners"])) == (Executing(workers=1), [])
     assert call["command"] == (
         "sheath experiment corridor --seeds 4 5 --rounds 3 --methods cloning --workers 1"
     )
@@ -78,13 +80,40 @@ def test_experiment_quick_stays_out_of_the_results(sheath, asked):
     assert call["plan"] == PLAN
     runs = Path("runs/corridor-quick")
     assert (call["runs"], call["results"]) == (runs, runs / "results")
-    assert (call["workers"], len(call["listeners"])) == (0, 1)
+    assert (call["executing"], len(call["listeners"])) == (Executing(workers=0), 1)
 
 
 def test_experiment_takes_at_most_the_cores(sheath, asked, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
     assert sheath("experiment", "corridor")[0] == 0
-    assert asked[0]["workers"] == 1
+    assert asked[0]["executing"] == Executing(workers=1)
+
+
+def test_experiment_goes_to_a_cluster(sheath, asked):
+    argv = ("experiment", "corridor", "--executor", "ray")
+    assert sheath(*argv)[0] == 0
+    assert sheath(*argv, "--workers", 64, "--address", "head:6379")[0] == 0
+    assert [call["executing"] for call in asked] == [
+        Executing("ray"),
+        Executing("ray", 64, "head:6379"),
+    ]
+
+
+def test_experiment_estimates_and_runs_nothing_else(sheath, asked, monkeypatch):
+    def measured(task, plan, directory, report) -> Costs:
+        del task, directory, report
+        method = MethodCosts(1.0, 1.0, Line(1.0, 0.0), 1.0, 10.0)
+        return Costs(
+            1.0, 1.0, 10.0, Line(1.0, 0.0), dict.fromkeys(plan.comparison.methods, method), 1e6, 1e5
+        )
+
+    monkeypatch.setattr("sheath_manip.experiments.scale.estimate.measure_costs", measured)
+    code, out, _ = sheath("experiment", "corridor", "--estimate")
+    assert code == 0
+    assert "4 devices" in out
+    assert "the longest chain is" in out
+    assert asked == []
+    assert Path("runs/corridor-estimate/costs.json").exists()
 
 
 def test_experiment_fresh_keeps_the_earlier_run(sheath, asked, tmp_path):
@@ -116,6 +145,6 @@ def test_experiment_gates_takes_all_tasks(sheath, monkeypatch, tmp_path):
     assert (full["runs"], full["results"]) == (Path("runs/gates"), Path("results/gates"))
     assert full["command"] == "sheath experiment gates --seeds 1 2"
     assert quick["plan"] == PLANS["quick"]
-    assert quick["workers"] == 0
+    assert quick["executing"] == Executing(workers=0)
     runs = Path("runs/gates-quick")
     assert (quick["runs"], quick["results"]) == (runs, runs / "results")

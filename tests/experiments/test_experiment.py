@@ -3,7 +3,10 @@
 import io
 import json
 import shutil
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rich.console import Console
@@ -12,7 +15,9 @@ from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments import learning
-from sheath_manip.experiments.learning import run_experiment
+from sheath_manip.experiments.learning import PREPARE, Job, next_jobs, run_experiment
+from sheath_manip.rollout.executing import Executing
+from tests.rollout.two_nodes import two_nodes
 from tests.run_files import digests, measured
 from tests.toy import PLAN, STUDY
 
@@ -35,7 +40,7 @@ def experiment(directory: Path, workers: int, plan=EXPERIMENT, **options) -> dic
         runs=directory / "runs",
         results=directory / "results",
         command="none",
-        workers=workers,
+        executing=Executing(workers=workers),
         console=Console(file=io.StringIO()),
         **options,
     )
@@ -71,6 +76,32 @@ def test_two_processes_give_the_numbers_of_one(here, tmp_path):
     assert measured(tmp_path / "runs") == measured(here / "runs")
 
 
+@pytest.fixture(scope="module")
+def nodes() -> Iterator[Any]:
+    pytest.importorskip("ray", reason="Ray is not installed: pip install 'sheath-manip[ray]'")
+    yield from two_nodes()
+
+
+# Ray's own start is full of what Python will not have in the future.
+@pytest.mark.filterwarnings("default")
+@pytest.mark.soak
+@pytest.mark.timeout(1500)
+@pytest.mark.usefixtures("_no_figures")
+def test_a_cluster_of_two_nodes_gives_the_numbers_of_one_process(here, nodes, tmp_path):
+    run_experiment(
+        STUDY,
+        EXPERIMENT,
+        runs=tmp_path / "runs",
+        results=tmp_path / "results",
+        command="none",
+        executing=Executing("ray", 2, nodes.address),
+        console=Console(file=io.StringIO()),
+    )
+    assert summary_of(tmp_path) == summary_of(here)
+    assert digests(tmp_path / "runs") == digests(here / "runs")
+    assert measured(tmp_path / "runs") == measured(here / "runs")
+
+
 @pytest.mark.usefixtures("_no_figures")
 def test_an_experiment_that_is_done_only_writes_its_summary_again(here, tmp_path):
     shutil.copytree(here, tmp_path / "again")
@@ -93,6 +124,23 @@ def test_another_plan_does_not_resume_a_run(here, tmp_path):
         )
     assert "\n" not in str(caught.value)
     assert digests(tmp_path / "run") == digests(here)
+
+
+@pytest.mark.parametrize(
+    ("least", "first", "after_sheath"),
+    [
+        # What is followed goes first, and what follows it waits beside it.
+        (0.0, ["sheath", "dagger", "random-takeover"], []),
+        # Where there may be fewer rounds than planned it begins when they are known.
+        (0.1, ["sheath", "dagger"], ["random-takeover"]),
+    ],
+)
+def test_what_starts_after_what(tmp_path, least, first, after_sheath):
+    plan = EXPERIMENT.changed(schedule={"stop_below_loss": least})
+    prepared = Job(STUDY.task, plan, tmp_path, 0, PREPARE)
+    assert [job.method for job in next_jobs(prepared)] == first
+    followed = replace(prepared, method="sheath")
+    assert [job.method for job in next_jobs(followed)] == after_sheath
 
 
 def test_a_follower_without_the_method_it_follows_is_refused(tmp_path):

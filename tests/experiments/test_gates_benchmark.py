@@ -17,6 +17,7 @@ from sheath_manip.experiments.gates.rows import BASELINES, default_name, rows
 from sheath_manip.experiments.gates.summary import pooled
 from sheath_manip.experiments.gates.table import tables
 from sheath_manip.policies import EMBEDDINGS, FEATURE_EMBEDDINGS, IMAGE_EMBEDDINGS
+from sheath_manip.rollout.executing import Executing
 from sheath_manip.support import SUPPORTS
 from tests.experiments.test_figures_generic import assert_shows_something
 from tests.toy import PLAN
@@ -54,7 +55,7 @@ def benchmark(directory: Path, workers: int = 0, plan: GatesPlan = SMALL) -> dic
         runs=directory / "runs",
         results=directory / "results",
         command="sheath experiment gates",
-        workers=workers,
+        executing=Executing(workers=workers),
         console=Console(file=io.StringIO()),
     )
 
@@ -205,7 +206,7 @@ def test_unknown_names_and_tasks_without_probes_are_one_line(tmp_path):
             runs=tmp_path,
             results=tmp_path,
             command="",
-            workers=0,
+            executing=Executing(workers=0),
         )
 
 

@@ -13,6 +13,7 @@ from sheath_manip.experiments.nu.benchmark import run_nu
 from sheath_manip.experiments.nu.plan import PLANS, NuPlan
 from sheath_manip.experiments.nu.summary import table
 from sheath_manip.experiments.study import Study
+from sheath_manip.rollout.executing import Executing
 from sheath_manip.tasks.table import STUDIES
 from tests.buttons import BUTTONS, PLAN
 from tests.experiments.test_figures_generic import assert_shows_something
@@ -33,7 +34,7 @@ def benchmark(directory: Path, plan: NuPlan = SMALL) -> dict:
         runs=directory / "runs",
         results=directory / "results",
         command="sheath experiment nu",
-        workers=0,
+        executing=Executing(workers=0),
         console=Console(file=io.StringIO()),
     )
 

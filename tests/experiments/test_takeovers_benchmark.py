@@ -23,6 +23,7 @@ from sheath_manip.experiments.takeovers.watched import Watched, threshold_at
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.rollout import rollout
 from sheath_manip.rollout.cached_expert import CachedExpert
+from sheath_manip.rollout.executing import Executing
 from sheath_manip.types import Observation
 from tests.experiments.test_figures_generic import assert_shows_something
 from tests.toy import PLAN, Corridor
@@ -77,7 +78,7 @@ def benchmark(directory: Path, workers: int = 0, plan: TakeoversPlan = SMALL) ->
         runs=directory / "runs",
         results=directory / "results",
         command="sheath experiment takeovers",
-        workers=workers,
+        executing=Executing(workers=workers),
         console=Console(file=io.StringIO()),
     )
 

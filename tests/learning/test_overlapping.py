@@ -1,6 +1,8 @@
 """A policy may still be judged while the next round is collected: the results are the same."""
 
 import shutil
+import threading
+import time
 from pathlib import Path
 from typing import ClassVar
 
@@ -8,10 +10,13 @@ import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.run import LearningRun
+from sheath_manip.rollout.crowd import Crowd
+from sheath_manip.rollout.elsewhere import CrowdExecutor
 from sheath_manip.rollout.executor import Executor
 from sheath_manip.rollout.processes import ProcessExecutor
 from sheath_manip.rollout.serial import SerialExecutor
 from tests.learning.corridor_run import SMALL_PLAN
+from tests.rollout.here_worker import HereWorker
 from tests.run_files import digests, measured
 from tests.toy import CORRIDOR
 
@@ -70,6 +75,44 @@ def test_stopped_while_it_was_judged_it_resumes_to_the_same(at_once, tmp_path, l
     with Late() as executor:
         learned(again, executor)
     assert measured(again) == measured(at_once)
+
+
+def test_workers_that_run_ahead_come_to_the_same(at_once, tmp_path) -> None:
+    """A round's episodes are asked for before the one before is measured."""
+    with CrowdExecutor(Crowd(2, HereWorker)) as executor:
+        learned(tmp_path, executor)
+    assert digests(tmp_path) == digests(at_once)
+    assert measured(tmp_path) == measured(at_once)
+
+
+def test_beside_the_method_that_it_follows_a_method_waits_for_its_rounds(at_once, tmp_path) -> None:
+    after, beside = tmp_path / "after", tmp_path / "beside"
+    for directory in (after, beside):
+        shutil.copytree(at_once, directory)
+    # That one has only begun: its episodes come one by one, and its results not at all.
+    for path in (beside / "s0" / "sheath").glob("round-*.json"):
+        path.unlink()
+    followed = sorted((beside / "store").glob("learning-sheath-*"))
+    assert followed
+    held_back = [path.rename(tmp_path / path.name) for path in followed]
+
+    def give() -> None:
+        for path, place in zip(held_back, followed, strict=True):
+            time.sleep(0.05)
+            path.rename(place)
+
+    giving = threading.Thread(target=give)
+    giving.start()
+    for directory, awaits in ((beside, True), (after, False)):
+        store = EpisodeStore(directory / "store")
+        with SerialExecutor() as executor:
+            run = LearningRun(CORRIDOR, PLAN, 0, directory, store, executor, awaits=awaits)
+            run.run("random-takeover")
+    giving.join()
+    assert digests(beside) == digests(after)
+    own = {name: each for name, each in measured(after).items() if "sheath" not in name}
+    assert len(own) > 1
+    assert measured(beside) == own
 
 
 @pytest.mark.soak

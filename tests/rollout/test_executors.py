@@ -1,6 +1,5 @@
 """The same requests give the same bytes, in whatever processes and order they run."""
 
-import hashlib
 import os
 import random
 import signal
@@ -10,44 +9,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, WorkerError
 from sheath_manip.learning.drivers import ExpertAlone
 from sheath_manip.protocols import Environment
-from sheath_manip.rollout.processes import ProcessExecutor
-from sheath_manip.rollout.request import Crew, Driver, EpisodeRequest
+from sheath_manip.rollout.processes import ProcessExecutor, ProcessWorker
+from sheath_manip.rollout.request import Crew
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.task import Task
-from sheath_manip.types import EpisodeInfo, Purpose
+from tests.rollout.asked import digest, requests
 from tests.toy import CORRIDOR
 from tests.waiting import DEADLINE_S, eventually
-
-STEPS_HZ = 50.0
-
-
-def requests(count: int, driver: Driver | None = None) -> list[EpisodeRequest]:
-    infos = [
-        EpisodeInfo("corridor", 100 + index, Purpose.DEMONSTRATION, STEPS_HZ, "expert", index=index)
-        for index in range(count)
-    ]
-    return [EpisodeRequest(CORRIDOR, info, driver or ExpertAlone()) for info in infos]
-
-
-def digest(store: EpisodeStore) -> str:
-    """Of all that the episodes hold but the date of the recording."""
-    whole = hashlib.sha256()
-    for episode in store.episodes():
-        whole.update(repr((replace(episode.info), episode.outcome, len(episode))).encode())
-        for step in episode.steps:
-            for array in (*step.observation.images.values(), step.observation.features):
-                whole.update(np.ascontiguousarray(array).tobytes())
-            for array in (step.state, step.executed, step.labelled):
-                whole.update(np.ascontiguousarray(array).tobytes())
-            whole.update(repr((step.decision, step.reward)).encode())
-    return whole.hexdigest()
 
 
 @pytest.fixture(scope="module")
@@ -183,10 +157,15 @@ def test_closed_in_the_midst_whoever_waits_is_told(tmp_path):
     closing.join()
 
 
+def hired(executor: ProcessExecutor) -> list[ProcessWorker]:
+    return [worker for worker in executor._crowd.hired if isinstance(worker, ProcessWorker)]
+
+
 def test_closing_ends_the_workers_and_nothing_more_is_taken():
     executor = ProcessExecutor(2)
     list(executor.map(requests(2)))
-    running = executor._crowd.process_ids
+    pids = [worker.process.pid for worker in hired(executor)]
+    running = [pid for pid in pids if pid is not None]
     assert running
     executor.close()
     for process in running:
@@ -213,7 +192,7 @@ def test_what_is_recorded_goes_before_what_only_judges(tmp_path):
     """The next fit waits for the one, and nothing for the other."""
     executor, store = ProcessExecutor(1), EpisodeStore.create(tmp_path)
     # Nobody hands out, so that all stays pending.
-    executor._crowd._thread = threading.Thread()
+    executor._crowd._threads.append(threading.Thread())
     for asked, into in ((requests(2), None), (requests(2), store), (requests(1), None)):
         executor.map(asked, into)
     pending = [(each.recorded, each.errand.request.info.index) for each in executor._crowd._pending]

@@ -9,6 +9,7 @@ from PIL import Image
 from rich.console import Console
 
 from sheath_manip.experiments.learning import run_experiment
+from sheath_manip.rollout.executing import Executing
 from sheath_manip.tasks.grasp_clutter.entry import make
 from sheath_manip.tasks.grasp_clutter.study.entry import STUDY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
@@ -63,7 +64,7 @@ def test_a_small_experiment_with_a_film(tmp_path):
         runs=tmp_path / "runs",
         results=tmp_path / "results",
         command="sheath",
-        workers=0,
+        executing=Executing(workers=0),
         figures=("film_strip.png", "intervention.gif"),
         console=Console(file=io.StringIO()),
     )

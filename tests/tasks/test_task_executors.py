@@ -11,7 +11,7 @@ from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import EpisodeInfo, Purpose
-from tests.rollout.test_executors import digest
+from tests.rollout.asked import digest
 
 
 def requests(name: str, count: int) -> list[EpisodeRequest]:

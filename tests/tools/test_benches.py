@@ -16,6 +16,7 @@ ALIKE = {
     "gate": ("agreement", "same sign", "memory"),
     "gauze": ("expert", "MuJoCo", "error"),
     "platformer": ("expert",),
+    "scale": (),
 }
 """by bench, beginnings of the lines that hold on any machine and at any size"""
 

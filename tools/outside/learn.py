@@ -17,6 +17,7 @@ import tyro
 
 from sheath_manip.experiments.learning import run_experiment
 from sheath_manip.experiments.study import Study
+from sheath_manip.rollout.executing import Executing
 
 STUDIES = {
     "fetch": "tools.outside.fetch_study:STUDY",
@@ -61,7 +62,7 @@ def main(arguments: Sequence[str]) -> None:
         runs=options.runs,
         results=options.results,
         command=shlex.join(["python", "-m", "tools.outside.learn", *arguments]),
-        workers=options.workers,
+        executing=Executing(workers=options.workers),
         figures=(),
     )
 

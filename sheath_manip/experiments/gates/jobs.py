@@ -24,7 +24,7 @@ from sheath_manip.policies.agreement import held_out_agreement
 from sheath_manip.policies.looking import look_with_displaced
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Listener, Report, TrainablePolicy
-from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.rollout.executor import Executor
 from sheath_manip.seeding import seed_for
 
 
@@ -34,21 +34,20 @@ class Demonstrate:
 
     setting: Setting
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do what is not done yet."""
         at = self.setting
-        with SerialExecutor() as executor:
-            LearningRun(
-                at.task,
-                at.learning,
-                at.seed,
-                at.runs,
-                at.store(),
-                executor,
-                listeners,
-                report,
-                failures=True,
-            ).start()
+        LearningRun(
+            at.task,
+            at.learning,
+            at.seed,
+            at.runs,
+            at.store(),
+            executor,
+            listeners,
+            report,
+            failures=True,
+        ).start()
 
     def units(self) -> int:
         """Return how often this job reports."""
@@ -62,9 +61,9 @@ class Displace:
 
     setting: Setting
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         displaced_states(self.setting, report)
 
     def units(self) -> int:
@@ -79,9 +78,9 @@ class Visit:
 
     setting: Setting
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do what is not done yet."""
-        del listeners
+        del executor, listeners
         record_visits(self.setting, report)
 
     def units(self) -> int:
@@ -95,9 +94,9 @@ class Judge:
 
     setting: Setting
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         at = self.setting
         path = at.agreement_path()
         if not path.exists():
@@ -128,9 +127,9 @@ class Score:
     setting: Setting
     rows: tuple[Row, ...]
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do what is not done yet."""
-        del listeners
+        del executor, listeners
         at = self.setting
         missing = [row for row in self.rows if not at.offline_path(row.name).exists()]
         for _ in range(len(self.rows) - len(missing)):
@@ -177,9 +176,9 @@ class Drive:
     row: str
     size: Size
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         path = self.setting.loop_path(self.row)
         if not path.exists():
             write_loop(path, run_loop(self.setting, self.row, self.size, report))

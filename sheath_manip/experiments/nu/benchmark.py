@@ -18,6 +18,7 @@ from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
+from sheath_manip.rollout.executing import TWO, Executing
 
 
 def run_nu(
@@ -27,15 +28,14 @@ def run_nu(
     runs: Path,
     results: Path,
     command: str,
-    workers: int = 2,
+    executing: Executing = TWO,
     console: Console | None = None,
 ) -> dict[str, Any]:
     """Run or resume the benchmark under `runs`; write summary.json and figures to `results`.
 
     Each nu has its own directory, which is a run of rounds as any other. The expert's episodes in
     them are alike to the bit, since their seeds name them; recording them again takes less time
-    than anything that is learned from them. With `workers` 0 all runs in this process. Returns the
-    summary.
+    than anything that is learned from them. Returns the summary.
     """
     console = console or Console()
     settings = [
@@ -52,7 +52,7 @@ def run_nu(
     jobs = [Job(at.task, at.plan, at.runs, seed, METHOD) for at in settings for seed in at.seeds]
     stopwatch = Stopwatch(runs / "wall.json")
     with shown_progress(console, sum(_units(job.plan) for job in jobs), stopwatch) as report:
-        run_jobs(jobs, lambda _: (), workers, report)
+        run_jobs(jobs, lambda _: (), executing, report)
     summary = summarise(settings, plan, command, stopwatch.tick(force=True))
     write_json(results / "summary.json", summary)
     paths = draw(summary, results)

@@ -20,6 +20,7 @@ from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.experiments.workers import in_stages, run_jobs
 from sheath_manip.files.json_files import write_json
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
+from sheath_manip.rollout.executing import TWO, Executing
 
 
 def run_takeovers(
@@ -29,12 +30,12 @@ def run_takeovers(
     runs: Path,
     results: Path,
     command: str,
-    workers: int = 2,
+    executing: Executing = TWO,
     console: Console | None = None,
 ) -> dict[str, Any]:
     """Run or resume the benchmark under `runs`; write summary.json and figures to `results`.
 
-    With `workers` 0 all runs in this process. Returns the summary.
+    `executing` says where episodes run. Returns the summary.
     """
     console = console or Console()
     by_name = {study.name: study for study in studies}
@@ -55,7 +56,7 @@ def run_takeovers(
     jobs = stages(policies)
     units = sum(_units(job) for stage in jobs for job in stage)
     with shown_progress(console, units, stopwatch) as report:
-        run_jobs(*in_stages(jobs), workers, report)
+        run_jobs(*in_stages(jobs), executing, report)
     summary = summarise(policies, plan, command, stopwatch.tick(force=True))
     write_json(results / "summary.json", summary)
     paths = draw(summary, results)

@@ -21,6 +21,7 @@ from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_t
 from sheath_manip.experiments.takeovers.trying import GateChoice, try_gates, try_schedules
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.protocols import Listener, Report
+from sheath_manip.rollout.executor import Executor
 from sheath_manip.seeding import generator
 
 CHOICES = "choices.json"
@@ -35,9 +36,9 @@ class DriveAlone:
     at: Watched
     lot: str
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         if not self.at.alone_path(self.lot).exists():
             try_alone(self.at, self.lot, lambda _: None)
         report(f"{self.at.study.name} {self.at.name} alone")
@@ -49,9 +50,9 @@ class FitGates:
 
     at: Watched
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         if not all(self.at.fitted_path(name).exists() for name in self.at.plan.signals):
             fit_and_score(self.at, lambda _: None)
         report(f"{self.at.study.name} {self.at.name} gates")
@@ -65,9 +66,9 @@ class Tune:
     signal: str
     turn_s: float
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         levels = self.at.plan.levels
         choices = [GateChoice(self.signal, self.turn_s, level) for level in levels]
         path = self.at.trials_path(TUNING, choices[0].kind)
@@ -83,9 +84,9 @@ class Choose:
 
     policies: tuple[Watched, ...]
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done: what was chosen stays chosen."""
-        del listeners
+        del executor, listeners
         path = self.policies[0].runs / CHOICES
         if not path.exists():
             write_choices(path, choose(self.policies))
@@ -98,9 +99,9 @@ class TryChosen:
 
     at: Watched
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         path = self.at.trials_path(FRESH, GATES)
         if not path.exists():
             chosen = read_choices(self.at.runs / CHOICES)
@@ -119,9 +120,9 @@ class TryBaselines:
 
     at: Watched
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         at, path = self.at, self.at.trials_path(FRESH, BASELINES)
         if not path.exists():
             gates, scenes = (
@@ -150,9 +151,9 @@ class TryOracle:
 
     at: Watched
 
-    def run(self, report: Report, listeners: Sequence[Listener] = ()) -> None:
+    def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
-        del listeners
+        del executor, listeners
         path = self.at.trials_path(FRESH, ORACLE)
         if not path.exists():
             write_trials(path, {ORACLE: try_oracle(self.at, FRESH, self.at.plan.oracle)})
