@@ -21,6 +21,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from sheath_manip.counting import counted
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.act_network import ActNetwork
 from sheath_manip.policies.augmentation import reflected, shifted
@@ -170,7 +171,7 @@ class ActPolicy:
         )
         network.train()
         order = np.empty(0, dtype=np.int64)
-        for step in range(steps):
+        for step in counted(range(steps), steps):
             if len(order) == 0:
                 order = rng.permutation(len(samples))
             batch, order = order[: self.batch_size], order[self.batch_size :]

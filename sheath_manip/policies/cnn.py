@@ -12,6 +12,7 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
+from sheath_manip.counting import counted
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import shifted
 from sheath_manip.policies.choices import (
@@ -139,7 +140,7 @@ class ConvPolicy(Memoryless):
         )
         network.train()
         order = np.empty(0, dtype=np.int64)
-        for step in range(steps):
+        for step in counted(range(steps), steps):
             if len(order) == 0:
                 order = rng.permutation(len(samples))
             batch, order = order[: self.batch_size], order[self.batch_size :]

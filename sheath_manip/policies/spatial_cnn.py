@@ -8,6 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch.nn import functional
 
+from sheath_manip.counting import counted
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.augmentation import reflected, shifted
 from sheath_manip.policies.deviation import largest_deviations
@@ -130,7 +131,7 @@ class SpatialPolicy(Memoryless):
         )
         network.train()
         order = np.empty(0, dtype=np.int64)
-        for step in range(steps):
+        for step in counted(range(steps), steps):
             if len(order) == 0:
                 order = rng.permutation(len(samples))
             batch, order = order[: self.batch_size], order[self.batch_size :]
