@@ -15,6 +15,7 @@ from sheath_manip.dashboard.widgets.controls import Controls
 from sheath_manip.dashboard.widgets.counts import Counts
 from sheath_manip.dashboard.widgets.episode_list import EpisodeList
 from sheath_manip.dashboard.widgets.export import Export, Exporting
+from sheath_manip.dashboard.widgets.floor import Floor
 from sheath_manip.dashboard.widgets.follow import FollowBox
 from sheath_manip.dashboard.widgets.interventions import Interventions
 from sheath_manip.dashboard.widgets.learning import LearningCurves
@@ -42,6 +43,7 @@ def live(
     return Layout(
         world=(
             partial(SceneView, following=following),
+            Floor,
             Surfaces,
             Lines,
             Trail,
@@ -69,7 +71,14 @@ def recorded(
     """The page of recorded episodes."""
     following = _following(spec)
     return Layout(
-        world=(partial(SceneView, following=following), Surfaces, Lines, Trail, Cameras),
+        world=(
+            partial(SceneView, following=following),
+            Floor,
+            Surfaces,
+            Lines,
+            Trail,
+            Cameras,
+        ),
         head=(Trouble, Banner, partial(Transport, player=player)),
         tabs={
             "Episode": (
