@@ -48,7 +48,8 @@ def held_out_agreement(
         )
     fold = rank % min(folds, len(episodes))
     losses = np.empty(len(samples))
-    for number in counted(folded := np.unique(fold), len(folded)):
+    numbers = np.unique(fold)
+    for number in counted(numbers, len(numbers)):
         out = fold == number
         policy = make_policy().fit(samples.take(~out))
         losses[out] = look(policy, samples.take(out)).losses

@@ -9,9 +9,7 @@ from sheath_manip.types import SceneGeom
 
 COLOR = (196, 201, 207)
 TIMES = 14.0
-"""the plane that things stand on: so wide is the floor around it"""
-PEDESTAL_M = 0.03
-"""by which the plane lies above the floor"""
+"""half the plane that things stand on: so wide is the floor around it"""
 
 
 class Floor:
@@ -35,17 +33,11 @@ class Floor:
         plane = min(planes, key=lambda geom: snapshot.pose.bodies[geom.body, 2])
         centre = snapshot.pose.bodies[plane.body, :3] + plane.position_in_body
         half = float(np.max(plane.size[:2]))
-        # A block below the plane, as wide as that: the robot and the things on it stand there.
-        self._scene.add_box(
-            f"{WORLD}/pedestal",
-            tuple(round(0.55 * channel) for channel in COLOR),
-            (2 * plane.size[0], 2 * plane.size[1], PEDESTAL_M),
-            position=centre - [0, 0, SLAB_M + PEDESTAL_M / 2],
-        )
         self._scene.add_box(
             f"{WORLD}/floor",
             COLOR,
             (TIMES * half, TIMES * half, SLAB_M),
-            position=centre - [0, 0, SLAB_M + PEDESTAL_M],
+            # Right below: a robot that stands beside the plane stands on the floor.
+            position=centre - [0, 0, 1.5 * SLAB_M],
             cast_shadow=False,
         )
