@@ -71,7 +71,7 @@ class OperatorSocket:
         self._pages: dict[str, str] = {}
         self._pictures: dict[str, PictureAge] = {}
         self._numbers = count()
-        self.on_looks: Callable[[str, Looks], None] = lambda station, looks: None
+        self.on_looks: Callable[[str, Looks], None] = lambda *_: None
         """called with a station and how its page is to look, as soon as it says so"""
         self._farewell: dict[str, bool | str] = {}
         """what all pages are told once the run has ended"""

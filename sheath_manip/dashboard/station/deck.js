@@ -51,10 +51,10 @@ function makeDeck({ guide, labels, order, hold, release }) {
       // A finger that slides off, or that the system takes away, has let go.
       cap.onpointerdown = (event) => {
         event.preventDefault();
-        cap.setPointerCapture?.(event.pointerId);
         hold(`touch ${code}`, code);
+        cap.setPointerCapture(event.pointerId);
       };
-      for (const ends of ["pointerup", "pointercancel", "lostpointercapture"])
+      for (const ends of ["pointerup", "pointercancel", "pointerleave", "lostpointercapture"])
         cap.addEventListener(ends, () => release(`touch ${code}`));
       cap.oncontextmenu = (event) => event.preventDefault();
     });
