@@ -20,6 +20,7 @@ from sheath_manip.dashboard.widgets.follow import FollowBox
 from sheath_manip.dashboard.widgets.interventions import Interventions
 from sheath_manip.dashboard.widgets.learning import LearningCurves
 from sheath_manip.dashboard.widgets.lines import Lines
+from sheath_manip.dashboard.widgets.look_through import LookThrough
 from sheath_manip.dashboard.widgets.marking import Marking
 from sheath_manip.dashboard.widgets.score_plot import ScorePlot
 from sheath_manip.dashboard.widgets.support_map import SupportMap
@@ -58,6 +59,7 @@ def live(
                 partial(Interventions, look_at=playhead.look_at, release=playhead.release),
                 Counts,
                 partial(FollowBox, following=following),
+                partial(LookThrough, following=following),
             ),
             "Support": (*gate, SupportMap),
             "Learning": (LearningCurves,),
@@ -87,6 +89,7 @@ def recorded(
                 partial(Interventions, look_at=player.look_at),
                 partial(Counts, with_series=False),
                 partial(FollowBox, following=following),
+                partial(LookThrough, following=following),
             ),
             "Episodes": (partial(EpisodeList, catalog=catalog, player=player),),
             "Support": (SupportMap,),
