@@ -16,7 +16,8 @@ from tools.chromium import chromium_page, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
 PHONE = {"width": 390, "height": 844}
-SIZES = (PHONE, {"width": 1024, "height": 768}, {"width": 1400, "height": 900})
+TABLET = {"width": 1024, "height": 768}
+DESK = {"width": 1400, "height": 900}
 FAKES = """
 window.notes = [];
 window.Notification = class {
@@ -141,6 +142,7 @@ def test_the_robot_calls_who_looks_elsewhere(cockpit, opened):
 def test_keys_say_what_another_alphabet_has_printed_on_them(cockpit, opened):
     opened.add_init_script(CYRILLIC)
     opened.reload()
+    opened.wait_for_function("window.sheathOperator?.state.operated")
     opened.keyboard.press("t")
     opened.get_by_role("button", name="О: left").wait_for()
     cockpit.order(Order.STOP, "the test")
@@ -150,8 +152,17 @@ def test_keys_say_what_another_alphabet_has_printed_on_them(cockpit, opened):
     cockpit.order(Order.HAND_BACK, "the test")
 
 
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: str(size["width"]))
+@pytest.mark.parametrize(
+    ("size", "dark"),
+    [
+        (PHONE, False),
+        pytest.param(PHONE, True, marks=pytest.mark.soak),
+        pytest.param(TABLET, False, marks=pytest.mark.soak),
+        pytest.param(TABLET, True, marks=pytest.mark.soak),
+        (DESK, False),
+        (DESK, True),
+    ],
+)
 def test_a_checker_finds_no_serious_fault(cockpit, opened, size, dark):
     cockpit.order(Order.TAKE_OVER, "another")
     opened.set_viewport_size(size)
