@@ -144,7 +144,7 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
             checkpoint.gate(),
             rng=np.random.default_rng(0),
             policy=checkpoint.policy,
-            expert=CachedExpert(at.task.expert(environment.environment)),
+            expert=CachedExpert(at.task.expert(environment)),
         )
         assert Trial.of(episode, scene.failing) == trial
         judging: Any = checkpoint.gate()
