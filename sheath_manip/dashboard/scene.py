@@ -134,7 +134,8 @@ def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
             )
             node.side = "double"
         case "picture" if (slab := plain(geom)) is not None:
-            node = scene.add_box(name, slab, (2 * a, 2 * b, SLAB_M))
+            # So thin a body would lie in its own shadow here and there.
+            node = scene.add_box(name, slab, (2 * a, 2 * b, SLAB_M), cast_shadow=False)
             node.position = geom.position_in_body - SLAB_M / 2 * upwards(wxyz)
             node.wxyz = wxyz
             return
