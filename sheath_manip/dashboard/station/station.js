@@ -8,7 +8,7 @@ const sendEveryMs = 100, lookEveryMs = 50, retryMs = 500, sleptMs = 4000, silent
 const codes = new Set(settings.guide.flatMap((each) => each.codes)), held = new Map();
 const link = { finished: false, otherRun: false, lost: false, savedIn: "", padSays: "" };
 let socket = null, state = {}, closed = false, lastSent = "", sentMs = 0, lookedMs = Date.now();
-let sawMark = 0, heardMs = Date.now(), heard = reopened, missed = 0, text = "";
+let sawMark = 0, heardMs = Date.now(), heard = reopened, missed = 0, text = "", operated = false;
 
 const style = document.createElement("style");
 style.textContent = settings.style;
@@ -46,6 +46,7 @@ function connect() {
     link.savedIn ||= state.saved_in ?? "";
     heardMs = Date.now();
     heard = true;
+    operated ||= Boolean(state.operated);
     missed = 0;
     show();
   };
@@ -96,7 +97,8 @@ function show() {
   const words = noticeWords(state, link, labels);
   text = words[0];
   notice.show(words);
-  deck.show(state, Boolean(state.operated && !link.finished));
+  // STOP stays where it is also while a connection is made anew.
+  deck.show(state, operated && !link.finished);
 }
 
 const timers = [
