@@ -280,8 +280,7 @@ class Cockpit:
         return replace(lease.input, goal=lease.goal, axes=axes)
 
     def _by_program(self, order: Order) -> None:
-        now_s = self._clock()
-        self._follow(lambda standing: transitions.follow(standing, order, None, now_s))
+        self._follow(lambda now: transitions.follow(now, order, None, self._clock()))
 
     def _hear(self, transition: Callable[[Standing], Standing | None]) -> bool:
         """Whether `transition` applies; nobody is woken, since heartbeats come all the time."""
