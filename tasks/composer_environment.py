@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from sheath_manip.adapters.mujoco_scene import scene_geoms
 from sheath_manip.types import (
     Action,
+    CameraPose,
     Commanded,
     Line,
     Observation,
@@ -72,6 +73,10 @@ class SheathTask(composer.Task):
         """(3,) the point in the world whose path viewers draw; None where there is none."""
         return None
 
+    def camera_name(self, name: str) -> str:
+        """Return the model's name of the camera that observations call `name`."""
+        return name
+
     def surfaces(self, physics: mjcf.Physics) -> tuple[Surface, ...]:  # noqa: ARG002
         """Return what deforms, as it is now; always as many surfaces."""
         return ()
@@ -109,6 +114,7 @@ class ComposerEnvironment:
             legacy_step=task.legacy_step,
         )
         self._steps = 0
+        self._camera_ids: dict[str, int] | None = None
 
     @property
     def spec(self) -> TaskSpec:
@@ -197,11 +203,38 @@ class ComposerEnvironment:
             data.contact.pos[touching],
             self.task.surfaces(physics),
             self.task.lines(physics),
+            self._cameras(),
         )
 
     def close(self) -> None:
         """Free physics and renderer."""
         self._environment.close()
+
+    def _cameras(self) -> dict[str, CameraPose]:
+        model, data = self.physics.model.ptr, self.physics.data.ptr
+        if self._camera_ids is None:
+            kind, perspective = (
+                mujoco.mjtObj.mjOBJ_CAMERA,
+                mujoco.mjtProjection.mjPROJ_PERSPECTIVE,
+            )
+            found = {
+                name: mujoco.mj_name2id(model, kind, self.task.camera_name(name))
+                for name in self.spec.cameras
+            }
+            self._camera_ids = {
+                name: camera
+                for name, camera in found.items()
+                if camera >= 0 and model.cam_projection[camera] == perspective
+            }
+        poses = {}
+        for name, camera in self._camera_ids.items():
+            # MuJoCo's cameras look along -z, and up is y.
+            turn = data.cam_xmat[camera].reshape(3, 3) * [1.0, -1.0, -1.0]
+            wxyz = np.empty(4)
+            mujoco.mju_mat2Quat(wxyz, turn.ravel())
+            fov_rad = float(np.deg2rad(model.cam_fovy[camera]))
+            poses[name] = CameraPose(data.cam_xpos[camera].copy(), wxyz, fov_rad)
+        return poses
 
     def _take(self, state: NDArray[np.float64]) -> None:
         model, data = self.physics.model.ptr, self.physics.data.ptr

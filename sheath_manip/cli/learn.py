@@ -10,17 +10,19 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.aside import move_aside
-from sheath_manip.cli.operated import PERSON, Operating
+from sheath_manip.cli.operated import PERSON, Crew, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.cli.where import Where
+from sheath_manip.cockpit.start import UntilReady
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.protocols import Listener
 from sheath_manip.task import SCRIPTED, Task
+from sheath_manip.types import Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.rollout.request import Driver
@@ -92,10 +94,18 @@ class Learn(Planned):
         if PERSON in (self.expert, self.demonstrator):
             with self.operating.crew(task, self.address, session) as crew:
                 crew.page.saved_in = str(self.runs)
-                return self._run(crew.operated(), session, crew.listeners, crew.driver)
+                return self._run(crew.operated(), session, self._beside(crew), crew.driver)
         self.operating.require_default()
         with self._page(task, session) as listeners:
             return self._run(task, session, listeners, None)
+
+    def _beside(self, crew: Crew) -> Sequence[Listener]:
+        """The crew's listeners, and what waits for the person before its first episode."""
+        purposes = {Purpose.LEARNING} if self.expert == PERSON else set[Purpose]()
+        if self.demonstrator == PERSON:
+            purposes |= {Purpose.DEMONSTRATION, Purpose.CALIBRATION}
+        page, *others = crew.listeners
+        return page, UntilReady(crew.cockpit, purposes), *others
 
     @contextmanager
     def _page(self, task: Task, session: Session) -> Iterator[Sequence[Listener]]:

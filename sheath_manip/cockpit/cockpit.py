@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.cockpit import transitions
+from sheath_manip.cockpit.between import Between
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
 from sheath_manip.cockpit.orders import Order
 from sheath_manip.cockpit.standing import Ending, Now, Standing
@@ -40,6 +41,7 @@ class Cockpit:
         paced: bool = False,
         fallback: str = State.fallback,
         planar: bool = False,
+        undo_s: float = transitions.UNDO_S,
     ) -> None:
         """Begin with a run that goes on, at the task's own pace.
 
@@ -49,6 +51,7 @@ class Cockpit:
             paced: whether the loop keeps to `speed`.
             fallback: who acts where a person is asked and does not come, in words.
             planar: whether what a gizmo moves stays level and at its height.
+            undo_s: in which a discard may be called off.
         """
         self.guide = guide
         self.paced = paced
@@ -56,9 +59,11 @@ class Cockpit:
         self.on_change: Callable[[], None] = lambda: None
         """called, on any thread, where there is something new to show; returns at once"""
         self._clock = clock
+        self._undo_s = undo_s
         self._news = threading.Condition()
         self._standing = Standing(operated=bool(guide))
-        self._idle_since_s: float | None = None
+        self.between = Between(clock)
+        """what is done while no episode runs"""
         self._axes: tuple[float, SixAxes] | None = None
         self._acting = State(operated=bool(guide), fallback=fallback)
         """the loop's part of what the page shows: turn, asking, left_s"""
@@ -76,7 +81,7 @@ class Cockpit:
     @property
     def state(self) -> State:
         """The cockpit as it is now."""
-        standing, idle = self._seen(), self._idle_since_s
+        standing, now_s = self._seen(), self._clock()
         return replace(
             self._acting,
             paused=standing.paused,
@@ -86,7 +91,8 @@ class Cockpit:
             taken=standing.taken,
             abandoned=standing.abandoned,
             unready=standing.unready,
-            idle_s=None if idle is None else int(self._clock() - idle),
+            between=self.between.now,
+            discard_s=standing.discard_in_s(now_s),
             over=standing.closed,
             operator=standing.lease.holder,
         )
@@ -117,7 +123,7 @@ class Cockpit:
         """
         now_s = self._clock()
         return self._follow(
-            lambda standing: transitions.follow(standing, order, station, now_s, value, seen)
+            lambda now: transitions.follow(now, order, station, now_s, value, seen, self._undo_s)
         )
 
     def submit_input(self, station: str, operator_input: OperatorInput, age_s: float = 0.0) -> bool:
@@ -178,13 +184,9 @@ class Cockpit:
         self.gated = False
         self.give_turn(Actor.POLICY)
 
-    def note_episode(self, runs: bool) -> None:
-        """Take note of whether an episode runs: between two of them the program does other work."""
-        self._idle_since_s = None if runs else self._clock()
-
     def await_ready(self) -> None:
         """Wait until a person takes over or lets the policy begin, or until the page is gone."""
-        self._follow(lambda standing: replace(standing, unready=True, abandoned=True))
+        self._follow(lambda now: replace(now, unready=not now.taken, abandoned=not now.taken))
         while (now := self.now()).abandoned and not now.closed:
             self.give_turn(Actor.HOLD, asking=True, left_s=math.inf, still=True)
             self.rest()
@@ -192,8 +194,13 @@ class Cockpit:
 
     @property
     def ending(self) -> Ending | None:
-        """How the person ends the episode, once it was said."""
-        return self._standing.ending
+        """How the person ends the episode, once it was said and cannot be called off."""
+        return self._seen().ending
+
+    @property
+    def discarding(self) -> bool:
+        """Whether the episode is about to be discarded."""
+        return self._seen().discard_at_s is not None
 
     @property
     def mark(self) -> Outcome | None:
@@ -227,8 +234,7 @@ class Cockpit:
             self._standing = standing
         if news:
             self.on_change()
-        operator_input = self._everything(standing.lease, now_s)
-        self.input = operator_input or EMPTY
+        self.input = (operator_input := self._everything(standing.lease, now_s)) or EMPTY
         return Now(
             standing.stopped,
             standing.taken,
@@ -274,8 +280,7 @@ class Cockpit:
         return replace(lease.input, goal=lease.goal, axes=axes)
 
     def _by_program(self, order: Order) -> None:
-        now_s = self._clock()
-        self._follow(lambda standing: transitions.follow(standing, order, None, now_s))
+        self._follow(lambda now: transitions.follow(now, order, None, self._clock()))
 
     def _hear(self, transition: Callable[[Standing], Standing | None]) -> bool:
         """Whether `transition` applies; nobody is woken, since heartbeats come all the time."""

@@ -58,19 +58,26 @@ class OperatedEnvironment:
         """
         if not self.cockpit.gated:
             self._stand_still()
-        ending = self.cockpit.ending
-        if ending is Ending.DISCARD:
-            raise DiscardedError("the person has discarded the episode")
+        self._require_kept()
         if self.cockpit.still:
             assert self._observation is not None, "reset comes before step"
             transition = Transition(self._observation, 0.0, terminated=False, truncated=True)
         else:
             transition = self.environment.step(action)
         self._observation = transition.observation
+        if transition.terminated or transition.truncated:
+            # The episode's own end does not record what is about to be discarded.
+            while self.cockpit.discarding and not self.cockpit.closed:
+                self.cockpit.rest()
+            self._require_kept(discarding=self.cockpit.discarding)
         if self.cockpit.ending is None or transition.terminated:
             return transition
         marked = self.cockpit.mark is not None
         return replace(transition, terminated=marked, truncated=not marked)
+
+    def _require_kept(self, discarding: bool = False) -> None:
+        if discarding or self.cockpit.ending is Ending.DISCARD:
+            raise DiscardedError("the person has discarded the episode")
 
     def _stand_still(self) -> None:
         cockpit, now = self.cockpit, self.cockpit.now()

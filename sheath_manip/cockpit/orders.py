@@ -30,7 +30,9 @@ class Order(StrEnum):
     SAVE = "save"
     """with the outcome that it has"""
     DISCARD = "discard"
-    """records nothing, and runs the scene again"""
+    """records nothing, and runs the scene again, unless it is called off within a few seconds"""
+    CALL_OFF = "call-off-discard"
+    """goes on with the episode that was to be discarded"""
 
 
 OF_ANY_RUN = (Order.PAUSE, Order.RESUME, Order.STEP, Order.SPEED)

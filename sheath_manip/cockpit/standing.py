@@ -1,5 +1,6 @@
 """How things stand at the controls: one small value, replaced as a whole and never changed."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -39,8 +40,14 @@ class Standing:
     speed: float = 1.0
     ending: Ending | None = None
     """how the person ends the episode, once it was said"""
+    discard_at_s: float | None = None
+    """when the episode is to be discarded, unless somebody calls that off; until then all rests"""
     closed: bool = False
     """whether the page is gone, so that nobody will ever answer"""
+
+    def discard_in_s(self, now_s: float) -> int | None:
+        """Whole seconds until the episode is discarded; None where it is not to be."""
+        return None if self.discard_at_s is None else math.ceil(self.discard_at_s - now_s)
 
     @property
     def stopped(self) -> bool:

@@ -1,9 +1,11 @@
 """Listeners that let an episode begin only when a person is there."""
 
+from collections.abc import Collection
+
 from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.protocols import Environment
-from sheath_manip.types import Actor, Episode, EpisodeInfo, Step
+from sheath_manip.types import Actor, Episode, EpisodeInfo, Purpose, Step
 from sheath_manip.types.samples import Samples
 
 
@@ -33,8 +35,12 @@ class UntilTaken:
 class UntilReady:
     """Holds a run before the first step of all, until a person takes over or lets it begin."""
 
-    def __init__(self, cockpit: Cockpit) -> None:
+    def __init__(
+        self, cockpit: Cockpit, purposes: Collection[Purpose] = frozenset(Purpose)
+    ) -> None:
+        """Hold it before the first episode of one of those `purposes`; others need no person."""
         self.cockpit = cockpit
+        self.purposes = frozenset(purposes)
         self._ready = False
 
     def on_fit(self, states: Samples) -> None:
@@ -42,11 +48,12 @@ class UntilReady:
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Wait, the first time; raises UnattendedError where the page goes meanwhile."""
-        del environment, info
-        if not self._ready:
-            self.cockpit.await_ready()
-            if (now := self.cockpit.now()).abandoned:
-                require_attended(now)
+        del environment
+        if self._ready or info.purpose not in self.purposes:
+            return
+        self.cockpit.await_ready()
+        if (now := self.cockpit.now()).abandoned:
+            require_attended(now)
         self._ready = True
 
     def on_step(self, environment: Environment, step: Step) -> None:

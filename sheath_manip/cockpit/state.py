@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from sheath_manip.cockpit.between import Pastime
 from sheath_manip.playback.labels import FALLBACK
 from sheath_manip.types import Actor
 
@@ -22,10 +23,12 @@ class State:
     """whether who drove was lost or stopped: the robot holds until somebody says who goes on"""
     unready: bool = False
     """whether the run waits for a person before it begins"""
-    idle_s: int | None = None
-    """since the last episode ended; None while one runs, and before the first"""
+    between: Pastime | None = None
+    """what is done instead of an episode; None while one runs, and before the first"""
     over: bool = False
     """whether no run goes on, so that nothing is left to order"""
+    discard_s: int | None = None
+    """until the episode is discarded, which somebody may still call off; None: it is not to be"""
     turn: Actor = Actor.POLICY
     asking: bool = False
     """whether the robot waits for a person"""

@@ -19,8 +19,9 @@ _ENDINGS = {
     Order.SUCCESS: Ending.SUCCESS,
     Order.FAILURE: Ending.FAILURE,
     Order.SAVE: Ending.SAVE,
-    Order.DISCARD: Ending.DISCARD,
 }
+UNDO_S = 5.0
+"""in which a discard may be called off"""
 
 
 def follow(
@@ -30,18 +31,20 @@ def follow(
     now_s: float,
     value: float = 1.0,
     seen: int | None = None,
+    undo_s: float = UNDO_S,
 ) -> Standing | None:
     """Return how things stand once `station` has ordered that; None where it may not.
 
     `station` is None for the program itself, which nobody locks out. `value` goes with a speed, and
-    `seen` is the number of the newest stop that `station` knew of.
+    `seen` is the number of the newest stop that `station` knew of, and `undo_s` is the time in
+    which a discard may be called off.
     """
     if order is Order.STOP:
         return _stopped(standing) if standing.operated else None
     if not _may(standing, order, station, seen):
         return None
     if order in _ENDINGS:
-        return replace(standing, ending=_ENDINGS[order])
+        return replace(standing, ending=_ENDINGS[order], discard_at_s=None)
     match order:
         case Order.RESET:
             return replace(standing, cleared=standing.stops, paused=True, steps=0)
@@ -55,6 +58,10 @@ def follow(
             return replace(standing, steps=min(standing.steps + 1, MOST_STEPS))
         case Order.SPEED:
             return replace(standing, speed=clamped_speed(value))
+        case Order.DISCARD if standing.discard_at_s is None and standing.ending is None:
+            return aged(replace(standing, discard_at_s=now_s + undo_s), now_s)
+        case Order.CALL_OFF:
+            return replace(standing, discard_at_s=None)
         case _:
             return standing
 
@@ -86,12 +93,16 @@ def _may(standing: Standing, order: Order, station: str | None, seen: int | None
             return not (behind or standing.stopped)
         case Order.STEP:
             return standing.paused and not (behind or standing.stopped)
+        case Order.CALL_OFF:
+            return standing.discard_at_s is not None
         case _:
             return True
 
 
 def aged(standing: Standing, now_s: float) -> Standing:
     """Return how things stand at `now_s`: who is not heard of for too long is lost."""
+    if standing.discard_at_s is not None and now_s >= standing.discard_at_s:
+        standing = replace(standing, ending=Ending.DISCARD, discard_at_s=None)
     return lost(standing) if standing.lease.expired(now_s) else standing
 
 
@@ -129,8 +140,11 @@ def silenced(standing: Standing, station: str) -> Standing | None:
 
 
 def let_on(standing: Standing) -> Standing | None:
-    """The loop goes on with its next step; None where it may not, since the run is paused."""
-    if standing.paused and not standing.steps:
+    """The loop goes on with its next step; None where it may not.
+
+    That is while the run is paused, and while a discard may still be called off.
+    """
+    if standing.discard_at_s is not None or (standing.paused and not standing.steps):
         return None
     return replace(
         standing,
@@ -141,4 +155,5 @@ def let_on(standing: Standing) -> Standing | None:
 
 def begun(standing: Standing) -> Standing:
     """A new episode; who drives goes on with the next key, and who is lost or stopped stays so."""
-    return replace(standing, ending=None, lease=standing.lease.untouched())
+    lease = standing.lease.untouched()
+    return replace(standing, ending=None, discard_at_s=None, lease=lease)

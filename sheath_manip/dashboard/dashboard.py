@@ -22,6 +22,7 @@ from sheath_manip.protocols import Environment
 from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 from sheath_manip.types.samples import Samples
+from sheath_manip.types.work import Work
 
 DRAW_RATE_HZ = 20.0
 SWITCH_INTERVAL_S = 0.0005
@@ -93,11 +94,15 @@ class Dashboard(Closes):
         self._results = (*self._results, result)
         self._drawer.wake()
 
+    def on_work(self, work: Work | None) -> None:
+        """Say what is done while no episode runs."""
+        self.cockpit.between.note_work(work)
+
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene; blocks while the person holds the run paused."""
         self._film = film_begun(environment, info)
         self._playhead.load(self._film)
-        self.cockpit.note_episode(runs=True)
+        self.cockpit.between.note_episode(runs=True)
         # Else a run that was paused, or stopped and reset, between two episodes would begin.
         self.cockpit.wait()
 
@@ -115,7 +120,7 @@ class Dashboard(Closes):
             self._film.end(episode)
             share = Share.of(self._film.trace.so_far())
             self._tally.end(episode.info, share, episode.outcome)
-        self.cockpit.note_episode(runs=False)
+        self.cockpit.between.note_episode(runs=False)
         self._drawer.wake()
 
     def pause(self) -> None:

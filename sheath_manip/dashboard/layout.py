@@ -15,10 +15,12 @@ from sheath_manip.dashboard.widgets.controls import Controls
 from sheath_manip.dashboard.widgets.counts import Counts
 from sheath_manip.dashboard.widgets.episode_list import EpisodeList
 from sheath_manip.dashboard.widgets.export import Export, Exporting
+from sheath_manip.dashboard.widgets.floor import Floor
 from sheath_manip.dashboard.widgets.follow import FollowBox
 from sheath_manip.dashboard.widgets.interventions import Interventions
 from sheath_manip.dashboard.widgets.learning import LearningCurves
 from sheath_manip.dashboard.widgets.lines import Lines
+from sheath_manip.dashboard.widgets.look_through import LookThrough
 from sheath_manip.dashboard.widgets.marking import Marking
 from sheath_manip.dashboard.widgets.score_plot import ScorePlot
 from sheath_manip.dashboard.widgets.support_map import SupportMap
@@ -42,6 +44,7 @@ def live(
     return Layout(
         world=(
             partial(SceneView, following=following),
+            Floor,
             Surfaces,
             Lines,
             Trail,
@@ -56,6 +59,7 @@ def live(
                 partial(Interventions, look_at=playhead.look_at, release=playhead.release),
                 Counts,
                 partial(FollowBox, following=following),
+                partial(LookThrough, following=following),
             ),
             "Support": (*gate, SupportMap),
             "Learning": (LearningCurves,),
@@ -69,7 +73,14 @@ def recorded(
     """The page of recorded episodes."""
     following = _following(spec)
     return Layout(
-        world=(partial(SceneView, following=following), Surfaces, Lines, Trail, Cameras),
+        world=(
+            partial(SceneView, following=following),
+            Floor,
+            Surfaces,
+            Lines,
+            Trail,
+            Cameras,
+        ),
         head=(Trouble, Banner, partial(Transport, player=player)),
         tabs={
             "Episode": (
@@ -78,6 +89,7 @@ def recorded(
                 partial(Interventions, look_at=player.look_at),
                 partial(Counts, with_series=False),
                 partial(FollowBox, following=following),
+                partial(LookThrough, following=following),
             ),
             "Episodes": (partial(EpisodeList, catalog=catalog, player=player),),
             "Support": (SupportMap,),

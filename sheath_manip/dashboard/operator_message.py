@@ -24,6 +24,10 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
     station: Annotated[str, Meta(max_length=40)] | None = None
     """which page it belongs to, first of all"""
+    dark: bool | None = None
+    """with it: whether the person at the page likes it dark"""
+    narrow: bool | None = None
+    """with it: whether the window is a small one"""
     keys: Annotated[list[_Code], Meta(max_length=MOST_KEYS)] | None = None
     """the held ones; with it comes the gamepad, and a heartbeat"""
     pad: _Pad | None = None

@@ -1,7 +1,7 @@
 """The page's own websocket: held keys, gamepad, orders and heartbeat in; what to show out.
 
 Beside viser's, because viser knows no held keys, no gamepad and no heartbeat. The page's script
-(`operator.js`) speaks it, and so may any program that has the cookie.
+(`page_script`) speaks it, and so may any program that has the cookie.
 """
 
 import asyncio
@@ -9,10 +9,10 @@ import json
 import math
 import secrets
 import time
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from itertools import count
-from pathlib import Path
 
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
@@ -22,6 +22,7 @@ from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.orders import OF_ANY_RUN
 from sheath_manip.dashboard.message_age import Budget, MessageAge
 from sheath_manip.dashboard.operator_message import OperatorMessage, decoded
+from sheath_manip.dashboard.page_script import page_script
 from sheath_manip.dashboard.picture_age import OLDEST_S, PictureAge
 
 PATH = "/keys"
@@ -33,7 +34,6 @@ YOUNG_S = 0.5
 """of a picture whose age need not be said"""
 _YIELD_EVERY = 16
 """messages that have come at once, before the other connections of the page have their turn"""
-SCRIPT = Path(__file__).with_name("operator.js")
 HOTKEYS = {
     "Space": Order.STOP,
     "KeyR": Order.RESET,
@@ -45,8 +45,18 @@ HOTKEYS = {
     "KeyF": Order.FAILURE,
     "KeyV": Order.SAVE,
     "KeyZ": Order.DISCARD,
+    "KeyC": Order.CALL_OFF,
 }
 """by `KeyboardEvent.code`; none of them flies viser's camera (W A S D Q E, arrows)"""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """How a page is to look, as its browser says."""
+
+    dark: bool = False
+    narrow: bool = False
+    """whether its window is a small one"""
 
 
 class OperatorSocket:
@@ -61,6 +71,8 @@ class OperatorSocket:
         self._pages: dict[str, str] = {}
         self._pictures: dict[str, PictureAge] = {}
         self._numbers = count()
+        self.on_looks: Callable[[str, Looks], None] = lambda *_: None
+        """called with a station and how its page is to look, as soon as it says so"""
         self._farewell: dict[str, bool | str] = {}
         """what all pages are told once the run has ended"""
 
@@ -75,11 +87,11 @@ class OperatorSocket:
         settings = {
             "station": key,
             "path": PATH,
-            "codes": sorted(self._codes),
+            "guide": [asdict(binding) for binding in self.cockpit.guide],
             "hotkeys": hotkeys,
             "title": self._title,
         }
-        return f"({SCRIPT.read_text()})({json.dumps(settings)})"
+        return page_script(settings)
 
     def follow_picture(self, page: int) -> PictureAge:
         """Have that page drive only by a picture that is not too old."""
@@ -112,6 +124,7 @@ class OperatorSocket:
                 if said is not None:
                     if said.station is not None:
                         station = self._pages.get(said.station, own)
+                        self.on_looks(station, Looks(bool(said.dark), bool(said.narrow)))
                     age_s = age.of(said.clock, arrived_s)
                     if heard:
                         self._take(station, said, age_s)

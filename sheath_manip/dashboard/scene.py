@@ -19,6 +19,8 @@ WORLD = "/world"
 # viser draws row 0 of an image at -y and turns its face to -z; this is half a turn about x.
 IMAGE_TURN_WXYZ = np.array([0.0, 1.0, 0.0, 0.0])
 CAPSULE_SEGMENTS = 24
+SLAB_M = 0.004
+"""thickness of a plane of one colour, which is a body that light falls on and no picture"""
 FARTHEST_M = 1000.0
 """that is seen, at least"""
 
@@ -131,6 +133,12 @@ def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
                 name, geom.vertices, geom.faces, color=color, opacity=opacity, scale=(a, b, c)
             )
             node.side = "double"
+        case "picture" if (slab := plain(geom)) is not None:
+            # So thin a body would lie in its own shadow here and there.
+            node = scene.add_box(name, slab, (2 * a, 2 * b, SLAB_M), cast_shadow=False)
+            node.position = geom.position_in_body - SLAB_M / 2 * upwards(wxyz)
+            node.wxyz = wxyz
+            return
         case "picture" if geom.picture is not None:
             node = scene.add_image(name, geom.picture, 2 * a, 2 * b, jpeg_quality=85)
             wxyz = _turned(wxyz, IMAGE_TURN_WXYZ)
@@ -146,6 +154,20 @@ def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
             )
     node.position = geom.position_in_body
     node.wxyz = wxyz
+
+
+def plain(geom: SceneGeom) -> tuple[int, int, int] | None:
+    """Return the one colour of a textured plane; None where it has several, or is no plane."""
+    if geom.picture is None or geom.picture.shape[:2] != (1, 1):
+        return None
+    red, green, blue = (int(channel) for channel in geom.picture[0, 0])
+    return red, green, blue
+
+
+def upwards(wxyz: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3,) the z axis that the quaternion turns to."""
+    w, x, y, z = wxyz
+    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _turned(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -21,7 +21,7 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard import headers, operator_socket, server_log
 from sheath_manip.dashboard.access import AccessControl
 from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
-from sheath_manip.dashboard.operator_socket import OperatorSocket
+from sheath_manip.dashboard.operator_socket import Looks, OperatorSocket, station_of
 from sheath_manip.dashboard.paced_connection import PacedConnection
 from sheath_manip.exceptions import ParameterError, SetupError
 
@@ -88,7 +88,7 @@ class GuardedServer:
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
             server._websock_server.unregister_handler(message)
-        server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")
+        server.gui.configure_theme(**_theme(Looks()))
         server.gui.main_panel.dock_right()
         return cls(server, access, operators, loop)
 
@@ -207,6 +207,12 @@ def _refuse_share(verbose: bool = True) -> NoReturn:  # noqa: ARG001 - viser's s
     )
 
 
+def _theme(looks: Looks) -> Any:
+    width = "medium" if looks.narrow else "large"
+    shown: Any = {"show_share_button": False, "show_logo": False}
+    return {**shown, "control_width": width, "dark_mode": looks.dark}
+
+
 def _give_script(
     server: viser.ViserServer, operators: OperatorSocket, true_s: Callable[[], float] | None
 ) -> None:
@@ -231,6 +237,13 @@ def _give_script(
             mark = "window.sheathOperator?.saw({})".format
             age = operators.follow_picture(page)
             connection.carry_marks(age, taken_s, lambda number: run(mark(number)))
+
+    def look(station: str, looks: Looks) -> None:
+        for client in server.get_clients().values():
+            if station_of(client.client_id) == station:
+                client.gui.configure_theme(**_theme(looks))
+
+    operators.on_looks = look
 
     @server.on_client_disconnect
     async def _(client: viser.ClientHandle) -> None:

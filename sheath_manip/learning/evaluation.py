@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from sheath_manip.counting import counted
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.metrics import EpisodeRecord, record_of
@@ -86,4 +87,5 @@ class Evaluation:
             number=fitted.round,
             run_seed=fitted.run_seed,
         )
-        return map(record_of, self.executor.map(requests, report=self.report))
+        records = map(record_of, self.executor.map(requests, report=self.report))
+        return counted(records, len(requests))

@@ -6,8 +6,10 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
+from sheath_manip.counting import announced
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.asking import Beside, RunEpisodes
@@ -31,7 +33,7 @@ from sheath_manip.learning.results import (
 from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
 from sheath_manip.metrics import record_of
-from sheath_manip.protocols import Listener, Report
+from sheath_manip.protocols import Listener, Report, WorkListener
 from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.task import Task
@@ -113,7 +115,9 @@ class LearningRun:
         )
         states = samples_from(demonstrations)
         names = [episode_name(episode.info) for episode in demonstrations]
-        first = self._fitted(checkpoints.first(states, names), states)
+        with self._working("fitting the first policy"):
+            first = checkpoints.first(states, names)
+        first = self._fitted(first, states)
         check = [samples_from([episode]) for episode in new]
         return SharedStart(first, checkpoints, states, names, check)
 
@@ -148,15 +152,16 @@ class LearningRun:
                 labelled.append(visited.labelled())
                 names += [episode_name(each.info) for each in episodes if _is_labelled(each)]
             aggregated = joined(labelled)
-            refitted = start.checkpoints.refitted(
-                method,
-                number,
-                checkpoint,
-                aggregated,
-                visited,
-                names,
-                self._shares.of(method, min(number + 1, self._rounds_of(method.name))),
-            )
+            with self._working(f"fitting round {number}"):
+                refitted = start.checkpoints.refitted(
+                    method,
+                    number,
+                    checkpoint,
+                    aggregated,
+                    visited,
+                    names,
+                    self._shares.of(method, min(number + 1, self._rounds_of(method.name))),
+                )
             self._fitted(refitted, aggregated)
             # They run while this round is measured.
             more = self._surely_goes_on(method.name, number)
@@ -170,12 +175,19 @@ class LearningRun:
         return results
 
     def _finish(self, judged: Judged, results: list[RoundResult]) -> None:
-        results.append(judged.finished())
+        with self._working(f"trying the policy of round {judged.number} alone"):
+            results.append(judged.finished())
         self._tell(results[-1])
 
     def _tell(self, result: RoundResult) -> None:
         followers = [one for one in self.listeners if isinstance(one, RoundListener)]
         Audience(followers).tell(lambda listener: listener.on_round(result))
+
+    def _working(self, what: str) -> AbstractContextManager[None]:
+        """Say to all who want to know what is done, and how far it is, until the block ends."""
+        followers = [one for one in self.listeners if isinstance(one, WorkListener)]
+        audience = Audience(followers)
+        return announced(what, lambda work: audience.tell(lambda each: each.on_work(work)))
 
     def _fitted(self, checkpoint: Checkpoint, states: Samples) -> Checkpoint:
         self.report(f"{checkpoint.method} fit {checkpoint.round}")

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.counting import counted
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.looking import look
 from sheath_manip.protocols import TrainablePolicy
@@ -47,7 +48,8 @@ def held_out_agreement(
         )
     fold = rank % min(folds, len(episodes))
     losses = np.empty(len(samples))
-    for number in np.unique(fold):
+    numbers = np.unique(fold)
+    for number in counted(numbers, len(numbers)):
         out = fold == number
         policy = make_policy().fit(samples.take(~out))
         losses[out] = look(policy, samples.take(out)).losses

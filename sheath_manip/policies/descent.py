@@ -8,6 +8,8 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
+from sheath_manip.counting import counted
+
 
 @dataclass(frozen=True)
 class Descent:
@@ -55,7 +57,7 @@ class Descent:
         )
         network.train()
         order = np.empty(0, dtype=np.int64)
-        for step in range(self.steps):
+        for step in counted(range(self.steps), self.steps):
             if len(order) == 0:
                 order = rng.permutation(samples)
             batch, order = order[: self.batch_size], order[self.batch_size :]

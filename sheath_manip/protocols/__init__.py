@@ -29,7 +29,7 @@ from sheath_manip.protocols.learning import (
     SupportEstimator,
     TrainablePolicy,
 )
-from sheath_manip.protocols.listening import Keeps, Listener, Report
+from sheath_manip.protocols.listening import Keeps, Listener, Report, WorkListener
 
 __all__ = [
     "Agreement",
@@ -58,5 +58,6 @@ __all__ = [
     "Teleop",
     "TrainablePolicy",
     "Viewable",
+    "WorkListener",
     "require_restorable",
 ]

@@ -6,6 +6,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 from sheath_manip.protocols.environment import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
+from sheath_manip.types.work import Work
 
 Report = Callable[[str], None]
 """called once for each unit of work done, with a word on what it was"""
@@ -31,6 +32,15 @@ class Listener(Protocol):
 
     def on_end(self, episode: Episode) -> None:
         """Called once the episode is complete."""
+        ...
+
+
+@runtime_checkable
+class WorkListener(Protocol):
+    """A listener that wants to know what is done while no episode runs."""
+
+    def on_work(self, work: Work | None) -> None:
+        """Called as long work begins, as it goes on, and with None once it is over."""
         ...
 
 

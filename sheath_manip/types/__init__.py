@@ -2,7 +2,7 @@
 
 from sheath_manip.types.columns import ACTORS, REASONS, Columns
 from sheath_manip.types.episode import Episode, EpisodeInfo, Outcome, Purpose
-from sheath_manip.types.scene import Line, SceneGeom, ScenePose, Surface
+from sheath_manip.types.scene import CameraPose, Line, SceneGeom, ScenePose, Surface
 from sheath_manip.types.spec import Action, ActionSpec, FirstView, Mirror, TaskSpec, ToolFrame
 from sheath_manip.types.step import (
     Actor,
@@ -26,6 +26,7 @@ __all__ = [
     "ActionSpec",
     "Actor",
     "Breakdown",
+    "CameraPose",
     "Columns",
     "Commanded",
     "Episode",

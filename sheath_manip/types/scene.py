@@ -1,5 +1,6 @@
 """How a scene looks and stands, for viewers that know no simulator."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,6 +55,18 @@ class Line:
 
 
 @dataclass(frozen=True, eq=False)
+class CameraPose:
+    """Where a camera in perspective stands at one moment, in the world frame."""
+
+    position_m: NDArray[np.float64]
+    """(3,)"""
+    wxyz: NDArray[np.float64]
+    """(4,) unit quaternion: x to the right in its picture, y down, z into it"""
+    fov_rad: float
+    """vertical"""
+
+
+@dataclass(frozen=True, eq=False)
 class ScenePose:
     """How a scene stands at one moment, in the world frame."""
 
@@ -67,3 +80,5 @@ class ScenePose:
     """always as many"""
     lines: tuple[Line, ...] = ()
     """always as many: what is drawn on surfaces, such as a target and what is done of it"""
+    cameras: Mapping[str, CameraPose] = field(default_factory=dict)
+    """those in perspective that observations come from, by their names there"""

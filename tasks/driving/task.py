@@ -152,6 +152,10 @@ class DrivingTask(SheathTask):
         for item in (self._camera_observable, self._pose_observable):
             item.enabled = True
 
+    def camera_name(self, name: str) -> str:
+        """Return the model's name of the camera that observations call `name`."""
+        return f"car/{name}"
+
     @property
     def root_entity(self) -> composer.Entity:
         """The arena."""

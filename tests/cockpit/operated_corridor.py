@@ -78,10 +78,11 @@ def run(
     listeners=(),
     fallback=None,
     held_by_loop: bool = False,
+    undo_s: float = 0.0,
     **options,
 ) -> tuple[Episode, Page]:
     clock = Clock()
-    cockpit = Cockpit(teleop(Corridor()).guide, clock)
+    cockpit = Cockpit(teleop(Corridor()).guide, clock, undo_s=undo_s)
     environment = Corridor(steps)
     others = beside_the_policy(
         cockpit,

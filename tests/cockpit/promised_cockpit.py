@@ -48,7 +48,7 @@ class PromisedCockpit:
 
     def _begin(self, can_hold: bool, wait_s: float) -> None:
         self.clock = Clock()
-        self.cockpit = Unwaiting((Binding(("KeyI",), "on"),), self.clock)
+        self.cockpit = Unwaiting((Binding(("KeyI",), "on"),), self.clock, undo_s=0.0)
         self.can_hold = can_hold
         self.whim = Whim()
         self.gate = PersonGate(

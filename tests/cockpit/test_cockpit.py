@@ -9,7 +9,7 @@ from sheath_manip.cockpit import Cockpit, Gamepad, OperatorInput, Order, SixAxes
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
-from sheath_manip.cockpit.transitions import MOST_STEPS
+from sheath_manip.cockpit.transitions import MOST_STEPS, UNDO_S, let_on
 from sheath_manip.types import Outcome
 from sheath_manip.types.operator_input import Binding
 from tests.cockpit.clock import Clock
@@ -221,11 +221,40 @@ def test_a_paused_run_goes_step_by_step(cockpit):
         (Order.DISCARD, None),
     ],
 )
-def test_marks(cockpit, order, outcome):
+def test_marks(cockpit, clock, order, outcome):
     cockpit.order(order, "one")
+    clock.s += UNDO_S
     cockpit.now()
     assert cockpit.mark is outcome
     assert cockpit.ending is not None
+
+
+def test_a_discard_can_be_called_off_and_all_rests_meanwhile(cockpit, clock):
+    assert not cockpit.order(Order.CALL_OFF, "one")
+    cockpit.order(Order.DISCARD, "one")
+    assert cockpit.ending is None
+    assert cockpit.state.discard_s == UNDO_S
+    assert let_on(cockpit._standing) is None
+    # To press it again does not take longer, nor less.
+    clock.s += 2
+    cockpit.order(Order.DISCARD, "one")
+    assert cockpit.state.discard_s == UNDO_S - 2
+    assert cockpit.order(Order.CALL_OFF, "another")
+    clock.s += UNDO_S
+    assert cockpit.state.discard_s is None
+    assert cockpit.ending is None
+    cockpit.wait()
+
+    cockpit.order(Order.DISCARD, "one")
+    clock.s += UNDO_S
+    assert not cockpit.order(Order.CALL_OFF, "one")
+    assert cockpit.now().ending is Ending.DISCARD
+    cockpit.begin_episode()
+    # Another word on how it ends counts in place of it.
+    cockpit.order(Order.DISCARD, "one")
+    cockpit.order(Order.SUCCESS, "one")
+    clock.s += UNDO_S
+    assert cockpit.ending is Ending.SUCCESS
 
 
 def test_single_steps_do_not_pile_up(cockpit):

@@ -1,5 +1,7 @@
 """Whole episodes on the toy task under the person's gate: who acts, what teaches, how it ends."""
 
+from concurrent.futures import ThreadPoolExecutor, wait
+
 import numpy as np
 import pytest
 
@@ -22,6 +24,7 @@ from tests.cockpit.operated_corridor import (
     take,
 )
 from tests.toy import Corridor, hold, teleop
+from tests.waiting import DEADLINE_S
 
 pytestmark = pytest.mark.usefixtures("wide_corridor")
 
@@ -152,11 +155,29 @@ def test_a_demonstration_by_hand_is_the_persons():
 
 
 def test_discarding_ends_the_episode_at_its_next_step():
-    cockpit = Cockpit(teleop(Corridor()).guide)
+    cockpit = Cockpit(teleop(Corridor()).guide, undo_s=0.0)
     environment = OperatedEnvironment(Corridor(), cockpit)
     environment.reset(0)
     cockpit.order(Order.DISCARD, "page")
     cockpit.now()
+    with pytest.raises(DiscardedError):
+        environment.step(np.zeros(1, np.float32))
+
+
+def test_an_episode_does_not_end_by_itself_while_its_discard_may_be_called_off():
+    cockpit = Cockpit(teleop(Corridor()).guide, undo_s=60.0)
+    environment = OperatedEnvironment(Corridor(1), cockpit)
+    environment.reset(0)
+    cockpit.order(Order.DISCARD, "page")
+    with ThreadPoolExecutor(1) as pool:
+        step = pool.submit(environment.step, np.zeros(1, np.float32))
+        assert not wait([step], 0.1).done
+        cockpit.order(Order.CALL_OFF, "page")
+        assert step.result(DEADLINE_S).terminated
+    # Nobody is left to call anything off.
+    environment.reset(0)
+    cockpit.order(Order.DISCARD, "page")
+    cockpit.close()
     with pytest.raises(DiscardedError):
         environment.step(np.zeros(1, np.float32))
 

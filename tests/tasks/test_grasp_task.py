@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from dm_control.rl.control import PhysicsError
 
+from sheath_manip.dashboard.scene import upwards
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.grasp_clutter.objects import Kind, StandingObject
@@ -184,3 +185,17 @@ def test_a_divergence_is_noticed_in_any_physics_step(table, tmp_path, monkeypatc
     table.data.qvel[0] = 1e12
     with pytest.raises(PhysicsError, match="BADQVEL"):
         table.environment.step(STILL)
+
+
+def test_viewers_know_where_the_policys_cameras_are():
+    environment = ComposerEnvironment(GraspTask(Scenario(cameras=("front", "wrist"))))
+    environment.reset(0)
+    pose = environment.pose()
+    environment.close()
+    cameras = pose.cameras
+    front = cameras["front"]
+    assert front.position_m == pytest.approx([1.15, 0, 0.62])
+    assert np.rad2deg(front.fov_rad) == pytest.approx(45)
+    # Towards the robot and down.
+    assert upwards(front.wxyz) == pytest.approx([-0.819, 0, -0.573], abs=1e-3)
+    assert np.linalg.norm(cameras["wrist"].position_m - pose.tool_m) < 0.3

@@ -38,6 +38,7 @@ class Controls:
         self.stop = gui.add_button("STOP (Space)", color=_RED, visible=operated)
         self.reset = gui.add_button("Reset the stop (R)", color=_GREY, visible=False)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
+        self.keep = gui.add_button("Keep the episode (C)", color="orange", visible=False)
         self.go_on = gui.add_button("Let the policy go on (H)", color=_GREY, visible=False)
         self.pause = gui.add_button("Pause (P)", color=_GREY, icon=viser.Icon.PLAYER_PAUSE)
         self.step = gui.add_button(
@@ -48,11 +49,12 @@ class Controls:
         )
         self.episode = gui.add_button_group("Episode", tuple(_EPISODE), visible=operated)
         guide = gui.add_html(_guide(cockpit), visible=operated)
-        orders = (self.stop, self.reset, self.take, self.go_on, self.pause, self.step)
+        orders = (self.stop, self.reset, self.take, self.keep, self.go_on, self.pause, self.step)
         self._all = (*orders, self.speed, self.episode, guide)
         self._bind(self.stop, lambda _: Order.STOP)
         self._bind(self.reset, lambda _: Order.RESET)
         self._bind(self.take, lambda drawn: Order.HAND_BACK if drawn.taken else Order.TAKE_OVER)
+        self._bind(self.keep, lambda _: Order.CALL_OFF)
         self._bind(self.go_on, lambda _: Order.HAND_BACK)
         self._bind(self.pause, lambda _: Order.RESUME if cockpit.paused else Order.PAUSE)
         self._bind(self.step, lambda _: Order.STEP)
@@ -77,6 +79,7 @@ class Controls:
         self.reset.visible = state.stopped
         self.take.label = _take(state)
         self.take.color = "green" if state.taken else "orange"
+        self.keep.visible = state.discard_s is not None
         self.go_on.visible = state.abandoned
         self.pause.label = "Resume (P)" if state.paused else "Pause (P)"
         self.pause.icon = viser.Icon.PLAYER_PLAY if state.paused else viser.Icon.PLAYER_PAUSE

@@ -30,7 +30,7 @@ class Counts:
         # What is recorded has all its steps.
         most = self._max_steps if self._with_series else len(snapshot.trace)
         self._facts.content = _facts(snapshot.info, episode.steps, most)
-        self._counts.content = _counts(snapshot.info, episode, series, snapshot.outcomes)
+        self._counts.content = _counts(episode, series, snapshot.outcomes)
         # The text first: an empty box would be seen for a moment otherwise.
         now = () if snapshot.step is None else snapshot.step.limited
         self._limited.content = _limited(now, episode, series)
@@ -62,9 +62,7 @@ def _limited(now: tuple[Limited, ...], episode: Share, series: Share | None) -> 
     )
 
 
-def _counts(
-    info: EpisodeInfo, episode: Share, series: Share | None, outcomes: Mapping[Outcome, int]
-) -> str:
+def _counts(episode: Share, series: Share | None, outcomes: Mapping[Outcome, int]) -> str:
     shares = [episode] if series is None else [episode, series]
 
     def row(name: str, count: Callable[[Share], object]) -> str:
@@ -73,10 +71,10 @@ def _counts(
 
     # Of one episode alone they stand above.
     steps = "" if series is None else row("steps", lambda share: share.steps)
-    every = escape(" ".join(filter(None, (info.method, info.purpose.value))))
-    headings = f"<td></td><td>this episode</td><td>all {every}</td>" if series else ""
+    headings = "<td></td><td>this episode</td><td>all of its kind</td>" if series else ""
     ended = " &nbsp; ".join(
-        f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">'
+        f'<span style="white-space:nowrap">'
+        f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">■</span> '
         f"<b>{outcomes.get(outcome, 0)}</b> {word}</span>"
         for outcome, word in ENDED.items()
         if outcome is not Outcome.ERROR or outcomes.get(outcome)

@@ -27,7 +27,7 @@ class EpisodeList:
         self._summaries: list[EpisodeSummary] = catalog.summaries
         self._lines = [_line(*each) for each in enumerate(self._summaries)]
         self.choice = gui.add_dropdown("Episode", tuple(self._lines))
-        self.move = gui.add_button_group("Go", ("‹ before", "next ›"))
+        self.move = gui.add_button_group("Another one", ("‹ before", "next ›"))
         self._table = gui.add_html("")
 
         @self.choice.on_update

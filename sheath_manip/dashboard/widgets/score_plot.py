@@ -23,6 +23,8 @@ AXIS = Axis(
     stroke=palette.css(palette.GREY),
     ticks={"show": False},
 )
+SCORE = palette.css((90, 110, 200))
+"""stands out on a light page and on a dark one"""
 NO_STEP = "No step yet."
 NO_SCORE = "There is no score: {method} has no gate that judges what the policy proposes."
 LIMITED_BAND = 0.06
@@ -45,7 +47,7 @@ class ScorePlot:
             (np.zeros(1),) * 6,
             (
                 {"label": "seconds from now"},
-                {"label": "score", "stroke": palette.css(palette.INK), "width": 2},
+                {"label": "score", "stroke": SCORE, "width": 2},
                 {
                     "label": "threshold",
                     "stroke": palette.css(palette.GREY),
@@ -54,7 +56,7 @@ class ScorePlot:
                 },
                 _band("the policy does not act", palette.css(palette.ACTOR[Actor.EXPERT]) + "50"),
                 _band("command limited", palette.css(palette.LIMITED)),
-                _band("now", palette.css(palette.INK) + ("90" if ahead else "00")),
+                _band("now", palette.css(palette.GREY) + ("90" if ahead else "00")),
             ),
             # Ranges that stand still; one that follows the data viser's page now and then loses.
             scales={

@@ -22,7 +22,7 @@ class Transport:
         """what the slider was last put to here, or heard to be put to by a browser"""
         self.play = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray")
         self.scrubber = gui.add_slider("Step", min=1, max=2, step=1, initial_value=1)
-        self.steps = gui.add_button_group("Go", tuple(STEPS))
+        self.steps = gui.add_button_group("Jump", tuple(STEPS))
         self.speed = gui.add_slider(
             "Speed",
             min=min(SLOWEST, player.now.speed),
