@@ -191,7 +191,8 @@ function (settings) {
     if (state.others) return [`Another page drives; you watch. Space stops the robot.${more}`, GREY];
     if (state.mine && state.turn !== "operator")
       return [`You have taken over; the robot holds until you move it. H hands back.${more}${device}`, GREEN];
-    if (state.mine) return [`You drive. H hands back, Space stops.${more}${device}`, GREEN];
+    const ready = state.may_go_on ? "The gate would let the policy go on: H hands back" : "H hands back";
+    if (state.mine) return [`You drive. ${ready}, Space stops.${more}${device}`, GREEN];
     if (state.paused) return [`PAUSED. P resumes, . does one step.${old}`, GREY];
     if (state.idle_s > 1)
       return [`BETWEEN EPISODES for ${state.idle_s} s: the program fits or measures, and the robot stands.`, GREY];

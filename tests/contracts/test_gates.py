@@ -60,7 +60,7 @@ GATES: dict[str, Callable[[], Gate]] = {
         SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=0.0
     ),
     "person, who is waited for": lambda: PersonGate(
-        SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=float("inf")
+        SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=float("inf"), stands_still=False
     ),
     "support": lambda: SupportGate(FIRST_FEATURE, 0.0),
     "support, held": lambda: SupportGate(FIRST_FEATURE, 0.0, False, 0.5, 2, 4),
