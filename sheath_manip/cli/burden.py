@@ -1,4 +1,4 @@
-"""The burdens of a run as a table: what it asked of the expert, in the same words for any expert."""
+"""The burdens of a run as a table: what it asked, in the same words for any expert."""
 
 from collections.abc import Sequence
 

@@ -251,9 +251,7 @@ class Cockpit:
         """Say who acts in this step, whether the robot asks, and whether the policy may go on."""
         before = self._acting
         self.still = still
-        self._acting = replace(
-            before, turn=turn, asking=asking, left_s=left_s, may_go_on=may_go_on
-        )
+        self._acting = replace(before, turn=turn, asking=asking, left_s=left_s, may_go_on=may_go_on)
         if (before.turn, before.asking, before.may_go_on) != (turn, asking, may_go_on):
             self.on_change()
 

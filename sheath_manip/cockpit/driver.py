@@ -7,6 +7,7 @@ from sheath_manip.cockpit.environment import OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S, PersonGate
 from sheath_manip.cockpit.operator import beside_the_policy
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.human import HumanGate, Nobody
 from sheath_manip.gates.patient import FOR_PEOPLE, PatientGate, RequestConfig
 from sheath_manip.protocols import Environment, Holds
 from sheath_manip.rollout.request import Crew, Driver
@@ -46,6 +47,9 @@ class OperatedDriver:
         gate, requests = crew.gate, self.requests
         if isinstance(gate, PatientGate):
             gate, requests = gate.gate, gate.config
+        if isinstance(gate, HumanGate):
+            # Who is at the cockpit says when, and nobody is simulated beside.
+            gate = HumanGate(Nobody())
         gate = PersonGate(
             gate,
             self.cockpit,

@@ -1,4 +1,4 @@
-"""HG-DAgger's person, simulated: he watches, notices late, and drives until the policy is well again.
+"""HG-DAgger's person, simulated: he watches, notices late, and drives until all is well again.
 
 No machine tells him when. He knows what he would do himself, sees that the policy does otherwise
 for a while, and takes over once his reaction is over; what fails faster than that fails.

@@ -1,6 +1,6 @@
 """What may drive an episode: an expert, a policy under its gate, or a policy alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, AttentivePerson
@@ -51,7 +51,7 @@ class GatedPolicy:
     """of its file: another one at the same place is another driver"""
     expert: str = SCRIPTED
     """the expert, or a fallback controller by its name"""
-    watched_by: OperatorConfig | None = OperatorConfig()
+    watched_by: OperatorConfig | None = field(default_factory=OperatorConfig)
     """the simulated person who watches, for gates that leave it to one when to take over; None:
     nobody does"""
 

@@ -1,4 +1,4 @@
-"""A simulated operator: he notices late, stays a while, and makes mistakes; who drives is the script.
+"""A simulated operator: he notices late, stays a while, and errs; what he knows is the script's.
 
 So what a person's turns come to has numbers that can be had again. What he is to see, and what he
 does with the wheel, is said where he sits: at the cockpit, or beside a policy that nothing watches.
@@ -19,8 +19,8 @@ MINUTE_S = 60.0
 class OperatorConfig:
     """What is simulated of a person."""
 
-    # A choice, for one who watches. What it hangs on, and that its spread grows with its mean: Zhang
-    # et al. 2019, 'Determinants of take-over time from automated driving: a meta-analysis of 129
+    # A choice, for one who watches. What it hangs on, and that its spread grows with it: Zhang et
+    # al. 2019, 'Determinants of take-over time from automated driving: a meta-analysis of 129
     # studies' (Transportation Research Part F).
     reaction_s: float = 1.2
     """mean time from what he could see to what he does about it: to take over, and to hand back"""

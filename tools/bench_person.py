@@ -1,0 +1,146 @@
+"""What the gate asks of a person: a simulated one at the cockpit, against the script at once.
+
+    python -m tools.bench_person [--quick] [--results DIRECTORY]
+
+writes bench-person.json, which `sheath claims` reads. Each task is learned by its plan `quick`
+(`runs/bench-person`, which a second call goes on from), and the last policy drives scenes that
+nobody has learned from: once under its gate with the scripted expert, who answers at once and hands
+back at once, and once as `sheath run --expert simulated-person` does, with the limits on requests
+that hold for people and an operator who needs 1.2 s. A scene that the one saved and the other did
+not is lost. Time is the robot's own: while it waits for him nothing moves, and no step is made.
+
+--quick takes one task and two scenes, to see that it runs.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sheath_manip.cockpit.answered import AnsweredDriver
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.learning.checkpoint import digest
+from sheath_manip.learning.drivers import GatedPolicy
+from sheath_manip.learning.results import round_path
+from sheath_manip.learning.run import LearningRun
+from sheath_manip.rollout.burden import EpisodeBurden, burden_of, burden_of_all
+from sheath_manip.rollout.request import Driver, EpisodeRequest
+from sheath_manip.rollout.serial import SerialExecutor
+from sheath_manip.seeding import scene_seed
+from sheath_manip.task import Task
+from sheath_manip.tasks.table import STUDIES
+from sheath_manip.types import EpisodeInfo, Outcome, Purpose, TaskSpec
+from tools.bench import Line, at_least, at_most, run_bench
+
+MOST_A_MINUTE = 4.0
+LEAST_TURN_S = 1.0
+METHOD = "sheath"
+RUNS = Path("runs/bench-person")
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How much is run."""
+
+    tasks: tuple[str, ...] = ("platformer", "gauze-cutting", "grasp-clutter", "driving")
+    episodes: int = 10
+    """scenes of each task"""
+
+
+def people(sizes: Sizes) -> dict[str, Line]:
+    """Return the lines of every task."""
+    lines: dict[str, Line] = {}
+    for name in sizes.tasks:
+        lines |= _lines_of(name, sizes.episodes)
+    return lines
+
+
+def _lines_of(name: str, episodes: int) -> dict[str, Line]:
+    study = STUDIES[name]
+    plan = study.plan("quick").changed(
+        comparison={"evaluation_episodes": 1, "final_episodes": 1, "methods": (METHOD,)}
+    )
+    runs = RUNS / name
+    with SerialExecutor() as executor:
+        learning = LearningRun(
+            study.task, plan, 0, runs, EpisodeStore.create(runs / "store"), executor
+        )
+        last = learning.run(METHOD)[-1].round
+    path = round_path(runs, 0, METHOD, last, "npz")
+    script = GatedPolicy(path, digest(path))
+    infos = scenes(learning.spec, plan.schedule.variant, last, episodes)
+    at_once = burdens(study.task, infos, script)
+    answered = burdens(study.task, infos, AnsweredDriver(script))
+    return lines_of(name, at_once, answered)
+
+
+def scenes(spec: TaskSpec, variant: str, number: int, episodes: int) -> list[EpisodeInfo]:
+    """Return `episodes` scenes of a task that no round and no evaluation has."""
+    return [
+        EpisodeInfo.of(
+            spec,
+            variant=variant,
+            seed=scene_seed(Purpose.LEARNING, "person", index),
+            purpose=Purpose.LEARNING,
+            method=METHOD,
+            round=number,
+            index=index,
+            checkpoint="round",
+        )
+        for index in range(episodes)
+    ]
+
+
+def burdens(task: Task, infos: Sequence[EpisodeInfo], driver: Driver) -> list[EpisodeBurden]:
+    """Run the scenes with `driver`; what each asked, in their order."""
+    with SerialExecutor() as executor:
+        requests = [EpisodeRequest(task, info, driver) for info in infos]
+        return [burden_of(episode) for episode in executor.map(requests)]
+
+
+def lines_of(
+    name: str, at_once: Sequence[EpisodeBurden], answered: Sequence[EpisodeBurden]
+) -> dict[str, Line]:
+    """Return a task's lines: how often he is asked, for how long, and what is lost by it."""
+    script, person = burden_of_all(at_once), burden_of_all(answered)
+    lost = sum(
+        saved.outcome is Outcome.SUCCESS and other.outcome is not Outcome.SUCCESS
+        for saved, other in zip(at_once, answered, strict=True)
+    )
+    minutes = sum(each.length_s for each in answered) / 60
+    driven = person.driven_s / (60 * minutes)
+    return {
+        f"{name}: requests": at_most(
+            person.requests_a_minute,
+            MOST_A_MINUTE,
+            "a minute",
+            f"{person.requests} in {minutes:.1f} min, {person.requests_an_episode:.1f} an episode; "
+            f"the script at once {script.requests_a_minute:.0f} a minute",
+        ),
+        f"{name}: median turn": at_least(
+            person.median_turn_s,
+            LEAST_TURN_S,
+            "s",
+            f"he drives {driven:.0%} of the time and is waited for {person.waited_s:.0f} s; the "
+            f"script {script.median_turn_s:.2f} s",
+        ),
+        f"{name}: scenes that only he lost": at_most(
+            lost,
+            0,
+            f"of {person.episodes}",
+            f"{_saved(at_once)} saved by the script, {_saved(answered)} with him",
+        ),
+    }
+
+
+def _saved(burdens: Sequence[EpisodeBurden]) -> int:
+    return sum(each.outcome is Outcome.SUCCESS for each in burdens)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print and write."""
+    quick = Sizes(("platformer",), episodes=2)
+    run_bench("person", __doc__, [people], Sizes(), quick, arguments)
+
+
+if __name__ == "__main__":
+    main()
