@@ -9,11 +9,15 @@ back at once, and once as `sheath run --expert simulated-person` does, with the 
 that hold for people and an operator who needs 1.2 s. A scene that the one saved and the other did
 not is lost. Time is the robot's own: while it waits for him nothing moves, and no step is made.
 
---quick takes one task and two scenes, to see that it runs.
+Each task goes on for three minutes of the robot's time: in less of it three requests in any minute
+could be more than four a minute in the mean. --quick takes one task and a part of it, to see that
+it runs.
 """
 
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count, islice
 from pathlib import Path
 
 from sheath_manip.cockpit.answered import AnsweredDriver
@@ -42,24 +46,26 @@ class Sizes:
     """How much is run."""
 
     tasks: tuple[str, ...] = ("platformer", "gauze-cutting", "grasp-clutter", "driving")
-    episodes: int = 10
-    """scenes of each task"""
+    minutes: float = 3.0
+    """of the robot's time with the person, at least, of each task"""
+    runs: Path | None = RUNS
+    """where learning goes on from; None: nothing is kept"""
 
 
 def people(sizes: Sizes) -> dict[str, Line]:
     """Return the lines of every task."""
     lines: dict[str, Line] = {}
-    for name in sizes.tasks:
-        lines |= _lines_of(name, sizes.episodes)
+    with tempfile.TemporaryDirectory() as folder:
+        for name in sizes.tasks:
+            lines |= _lines_of(name, sizes.minutes, (sizes.runs or Path(folder)) / name)
     return lines
 
 
-def _lines_of(name: str, episodes: int) -> dict[str, Line]:
+def _lines_of(name: str, minutes: float, runs: Path) -> dict[str, Line]:
     study = STUDIES[name]
     plan = study.plan("quick").changed(
         comparison={"evaluation_episodes": 1, "final_episodes": 1, "methods": (METHOD,)}
     )
-    runs = RUNS / name
     with SerialExecutor() as executor:
         learning = LearningRun(
             study.task, plan, 0, runs, EpisodeStore.create(runs / "store"), executor
@@ -67,16 +73,16 @@ def _lines_of(name: str, episodes: int) -> dict[str, Line]:
         last = learning.run(METHOD)[-1].round
     path = round_path(runs, 0, METHOD, last, "npz")
     script = GatedPolicy(path, digest(path))
-    infos = scenes(learning.spec, plan.schedule.variant, last, episodes)
-    at_once = burdens(study.task, infos, script)
-    answered = burdens(study.task, infos, AnsweredDriver(script))
-    return lines_of(name, at_once, answered)
+    coming = scenes(learning.spec, plan.schedule.variant, last)
+    answered = burdens(study.task, coming, AnsweredDriver(script), minutes)
+    same = islice(scenes(learning.spec, plan.schedule.variant, last), len(answered))
+    return lines_of(name, burdens(study.task, same, script), answered)
 
 
-def scenes(spec: TaskSpec, variant: str, number: int, episodes: int) -> list[EpisodeInfo]:
-    """Return `episodes` scenes of a task that no round and no evaluation has."""
-    return [
-        EpisodeInfo.of(
+def scenes(spec: TaskSpec, variant: str, number: int) -> Iterator[EpisodeInfo]:
+    """Yield scenes of a task that no round and no evaluation has, without end."""
+    for index in count():
+        yield EpisodeInfo.of(
             spec,
             variant=variant,
             seed=scene_seed(Purpose.LEARNING, "person", index),
@@ -86,15 +92,19 @@ def scenes(spec: TaskSpec, variant: str, number: int, episodes: int) -> list[Epi
             index=index,
             checkpoint="round",
         )
-        for index in range(episodes)
-    ]
 
 
-def burdens(task: Task, infos: Sequence[EpisodeInfo], driver: Driver) -> list[EpisodeBurden]:
-    """Run the scenes with `driver`; what each asked, in their order."""
+def burdens(
+    task: Task, infos: Iterable[EpisodeInfo], driver: Driver, minutes: float = float("inf")
+) -> list[EpisodeBurden]:
+    """Run scenes with `driver`, for so many minutes of the robot's time; what each asked."""
+    found: list[EpisodeBurden] = []
     with SerialExecutor() as executor:
-        requests = [EpisodeRequest(task, info, driver) for info in infos]
-        return [burden_of(episode) for episode in executor.map(requests)]
+        for episode in executor.map(EpisodeRequest(task, info, driver) for info in infos):
+            found.append(burden_of(episode))
+            if sum(each.length_s for each in found) >= 60 * minutes:
+                break
+    return found
 
 
 def lines_of(
@@ -138,7 +148,7 @@ def _saved(burdens: Sequence[EpisodeBurden]) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print and write."""
-    quick = Sizes(("platformer",), episodes=2)
+    quick = Sizes(("platformer",), minutes=0.3, runs=None)
     run_bench("person", __doc__, [people], Sizes(), quick, arguments)
 
 

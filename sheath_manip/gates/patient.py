@@ -42,9 +42,9 @@ class RequestConfig:
         return self != RequestConfig()
 
 
-FOR_PEOPLE = RequestConfig(turn_s=2.0, quiet_s=1.0, a_minute=4, an_episode=4)
-"""what a person can live with: time to see what is wrong and to put it right, and no more than a
-request in a quarter of a minute"""
+FOR_PEOPLE = RequestConfig(turn_s=2.0, quiet_s=1.0, a_minute=3, an_episode=6)
+"""what a person can live with: time to see what is wrong and to put it right, and rest between two
+requests; three in any minute are at most four a minute in the mean of three minutes"""
 
 
 class PatientGate:
