@@ -26,7 +26,7 @@ from sheath_manip.learning.checkpoint import digest
 from sheath_manip.learning.drivers import GatedPolicy
 from sheath_manip.learning.results import round_path
 from sheath_manip.learning.run import LearningRun
-from sheath_manip.rollout.burden import EpisodeBurden, burden_of, burden_of_all
+from sheath_manip.rollout.asked import AskedInEpisode, asked_in, asked_in_all
 from sheath_manip.rollout.request import Driver, EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.seeding import scene_seed
@@ -73,13 +73,14 @@ def _lines_of(name: str, minutes: float, runs: Path) -> dict[str, Line]:
         last = learning.run(METHOD)[-1].round
     path = round_path(runs, 0, METHOD, last, "npz")
     script = GatedPolicy(path, digest(path))
-    coming = scenes(learning.spec, plan.schedule.variant, last)
-    answered = burdens(study.task, coming, AnsweredDriver(script), minutes)
-    same = islice(scenes(learning.spec, plan.schedule.variant, last), len(answered))
-    return lines_of(name, burdens(study.task, same, script), answered)
+    variant = plan.schedule.variant
+    coming = scenes(learning.spec, variant, script)
+    answered = asked_of(study.task, coming, AnsweredDriver(script), minutes)
+    same = islice(scenes(learning.spec, variant, script), len(answered))
+    return lines_of(name, asked_of(study.task, same, script), answered)
 
 
-def scenes(spec: TaskSpec, variant: str, number: int) -> Iterator[EpisodeInfo]:
+def scenes(spec: TaskSpec, variant: str, driver: GatedPolicy) -> Iterator[EpisodeInfo]:
     """Yield scenes of a task that no round and no evaluation has, without end."""
     for index in count():
         yield EpisodeInfo.of(
@@ -88,30 +89,29 @@ def scenes(spec: TaskSpec, variant: str, number: int) -> Iterator[EpisodeInfo]:
             seed=scene_seed(Purpose.LEARNING, "person", index),
             purpose=Purpose.LEARNING,
             method=METHOD,
-            round=number,
             index=index,
-            checkpoint="round",
+            checkpoint=driver.digest,
         )
 
 
-def burdens(
+def asked_of(
     task: Task, infos: Iterable[EpisodeInfo], driver: Driver, minutes: float = float("inf")
-) -> list[EpisodeBurden]:
+) -> list[AskedInEpisode]:
     """Run scenes with `driver`, for so many minutes of the robot's time; what each asked."""
-    found: list[EpisodeBurden] = []
+    found: list[AskedInEpisode] = []
     with SerialExecutor() as executor:
         for episode in executor.map(EpisodeRequest(task, info, driver) for info in infos):
-            found.append(burden_of(episode))
+            found.append(asked_in(episode))
             if sum(each.length_s for each in found) >= 60 * minutes:
                 break
     return found
 
 
 def lines_of(
-    name: str, at_once: Sequence[EpisodeBurden], answered: Sequence[EpisodeBurden]
+    name: str, at_once: Sequence[AskedInEpisode], answered: Sequence[AskedInEpisode]
 ) -> dict[str, Line]:
     """Return a task's lines: how often he is asked, for how long, and what is lost by it."""
-    script, person = burden_of_all(at_once), burden_of_all(answered)
+    script, person = asked_in_all(at_once), asked_in_all(answered)
     lost = sum(
         saved.outcome is Outcome.SUCCESS and other.outcome is not Outcome.SUCCESS
         for saved, other in zip(at_once, answered, strict=True)
@@ -142,8 +142,8 @@ def lines_of(
     }
 
 
-def _saved(burdens: Sequence[EpisodeBurden]) -> int:
-    return sum(each.outcome is Outcome.SUCCESS for each in burdens)
+def _saved(episodes: Sequence[AskedInEpisode]) -> int:
+    return sum(each.outcome is Outcome.SUCCESS for each in episodes)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -17,7 +17,7 @@ from sheath_manip.types import Episode, EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.learning.checkpoint import Checkpoint
-    from sheath_manip.rollout.burden import EpisodeBurden
+    from sheath_manip.rollout.asked import AskedInEpisode
     from sheath_manip.rollout.request import Driver
 
 
@@ -130,12 +130,12 @@ class Run:
         driver: "Driver",
         listeners: Sequence[Listener],
     ) -> int:
-        from sheath_manip.cli.burden import print_burden
+        from sheath_manip.cli.asked import print_asked
         from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
         from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.checkpoint import digest
-        from sheath_manip.rollout.burden import burden_of
+        from sheath_manip.rollout.asked import asked_in
         from sheath_manip.rollout.request import EpisodeRequest
         from sheath_manip.rollout.serial import SerialExecutor
 
@@ -164,14 +164,14 @@ class Run:
             # The same scene by hand again is another episode.
             infos = begun(store, infos, new_session())
         requests = [EpisodeRequest(task, info, driver) for info in infos]
-        burdens: list[EpisodeBurden] = []
+        asked: list[AskedInEpisode] = []
 
         def count(episode: Episode) -> None:
-            burdens.append(burden_of(episode))
+            asked.append(asked_in(episode))
 
         with SerialExecutor() as executor, session.progress("episodes", self.episodes) as report:
             records = list(run_all(executor, requests, store, listeners, report, count))
         print_episodes(records, spec.metric, session)
         print_figures(records, session)
-        print_burden(burdens, session)
+        print_asked(asked, session)
         return 0

@@ -5,7 +5,7 @@ import pytest
 
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, Order, PersonGate, beside_the_policy
 from sheath_manip.gates.patient import RequestConfig
-from sheath_manip.rollout.burden import burden_of
+from sheath_manip.rollout.asked import asked_in
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import Actor, Episode, Outcome, Reason
 from tests.cockpit.clock import Clock
@@ -68,17 +68,17 @@ def test_a_wait_takes_no_step_and_is_told_with_the_step_after_it():
     assert reasons(episode)[3] is Reason.PERSON
     assert episode.outcome is Outcome.SUCCESS
     assert len(episode) == 12
-    burden = burden_of(episode)
-    assert (burden.requests, burden.waited_s) == (1, 4 * GLANCE_S)
-    assert burden.turns_s == (pytest.approx(9 * PERIOD_S),)
-    assert burden.labels == 9
+    asked = asked_in(episode)
+    assert (asked.requests, asked.waited_s) == (1, 4 * GLANCE_S)
+    assert asked.turns_s == (pytest.approx(9 * PERIOD_S),)
+    assert asked.labels == 9
 
 
 def test_nobody_comes_and_the_fallback_acts_after_the_wait():
     episode = run({}, wait_s=1.0)
     assert reasons(episode)[3:6] == [Reason.NO_ANSWER] * 3
     assert [step.decision.waited_s for step in episode.steps][3:6] == [1.0, 0.0, 0.0]
-    assert burden_of(episode).requests == 1
+    assert asked_in(episode).requests == 1
 
 
 def test_the_page_may_end_what_waits():
@@ -105,7 +105,7 @@ def test_who_hands_back_early_is_not_asked_again_but_by_an_alarm():
     episode = run({2: take}, {7: hand_back}, requests=limits)
     assert reasons(episode)[3:7] == [Reason.PERSON] * 4
     assert set(reasons(episode)[7:]) == {Reason.INSIDE}
-    assert burden_of(episode).requests == 1
+    assert asked_in(episode).requests == 1
 
 
 def test_where_nobody_may_be_asked_any_more_the_fallback_acts_and_says_so():
@@ -115,9 +115,9 @@ def test_where_nobody_may_be_asked_any_more_the_fallback_acts_and_says_so():
     assert reasons(episode)[4:6] == [Reason.SPARED] * 2
     assert [step.decision.actor for step in episode.steps][4:6] == [Actor.FALLBACK] * 2
     assert set(reasons(episode)[6:]) == {Reason.INSIDE}
-    burden = burden_of(episode)
-    assert burden.requests == 1
-    assert burden.turns_s == (pytest.approx(3 * PERIOD_S),)
+    asked = asked_in(episode)
+    assert asked.requests == 1
+    assert asked.turns_s == (pytest.approx(3 * PERIOD_S),)
 
 
 def test_the_page_says_when_the_policy_may_go_on():

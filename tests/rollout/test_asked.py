@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sheath_manip.rollout.burden import EpisodeBurden, burden_of, burden_of_all
+from sheath_manip.rollout.asked import AskedInEpisode, asked_in, asked_in_all
 from sheath_manip.types import Actor, Episode, Outcome, Reason
 from tests.episodes import episode_of
 
@@ -53,28 +53,28 @@ def attended(letters: str) -> Episode:
     ],
 )
 def test_requests_turns_and_waits_are_told_apart(letters, requests, turns, waited_s):
-    burden = burden_of(attended(letters))
-    assert burden.requests == requests
-    assert [round(turn_s, 6) for turn_s in burden.turns_s] == [turn / 10 for turn in turns]
-    assert burden.waited_s == pytest.approx(waited_s)
-    assert burden.length_s == pytest.approx(len(letters) / 10)
+    asked = asked_in(attended(letters))
+    assert asked.requests == requests
+    assert [round(turn_s, 6) for turn_s in asked.turns_s] == [turn / 10 for turn in turns]
+    assert asked.waited_s == pytest.approx(waited_s)
+    assert asked.length_s == pytest.approx(len(letters) / 10)
 
 
 def test_a_scripted_expert_is_asked_where_its_turn_begins():
-    burden = burden_of(episode_of("ppeeppeee", labelled="xx.......".replace(".", " ")))
-    assert (burden.requests, len(burden.turns_s), burden.labels) == (2, 2, 2)
+    asked = asked_in(episode_of("ppeeppeee", labelled="xx.......".replace(".", " ")))
+    assert (asked.requests, len(asked.turns_s), asked.labels) == (2, 2, 2)
     # It demonstrates unasked.
-    assert burden_of(episode_of("eeee", policy=False)).requests == 0
+    assert asked_in(episode_of("eeee", policy=False)).requests == 0
 
 
 def test_all_together():
     episodes = [
-        EpisodeBurden(Outcome.SUCCESS, 30.0, 3, (1.0, 2.0, 6.0), 3.0, 40),
-        EpisodeBurden(Outcome.FAILURE, 60.0, 0, (), 0.0, 2),
+        AskedInEpisode(Outcome.SUCCESS, 30.0, 3, (1.0, 2.0, 6.0), 3.0, 40),
+        AskedInEpisode(Outcome.FAILURE, 60.0, 0, (), 0.0, 2),
     ]
-    burden = burden_of_all(episodes)
-    assert burden.requests_a_minute == 2.0
-    assert burden.requests_an_episode == 1.5
-    assert (burden.median_turn_s, burden.driven_s, burden.waited_s) == (2.0, 9.0, 3.0)
-    assert burden.labels == 42
-    assert np.isnan(burden_of_all([]).requests_a_minute)
+    asked = asked_in_all(episodes)
+    assert asked.requests_a_minute == 2.0
+    assert asked.requests_an_episode == 1.5
+    assert (asked.median_turn_s, asked.driven_s, asked.waited_s) == (2.0, 9.0, 3.0)
+    assert asked.labels == 42
+    assert np.isnan(asked_in_all([]).requests_a_minute)

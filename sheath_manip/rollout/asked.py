@@ -14,7 +14,7 @@ _ASKS = [REASONS.index(each) for each in (Reason.WAITING, Reason.NO_ANSWER)]
 
 
 @dataclass(frozen=True)
-class EpisodeBurden:
+class AskedInEpisode:
     """What one episode asked."""
 
     outcome: Outcome
@@ -30,7 +30,7 @@ class EpisodeBurden:
 
 
 @dataclass(frozen=True)
-class Burden:
+class Asked:
     """What a set of episodes asked."""
 
     episodes: int
@@ -45,7 +45,7 @@ class Burden:
     labels: int
 
 
-def burden_of(episode: Episode) -> EpisodeBurden:
+def asked_in(episode: Episode) -> AskedInEpisode:
     """Return what `episode` asked.
 
     The expert of a gate is asked where its turn begins; a person where the robot stands still for
@@ -59,7 +59,7 @@ def burden_of(episode: Episode) -> EpisodeBurden:
     # A wait is a request of its own, also where it comes in a turn that was handed back too soon.
     begun = {first for first, _ in runs_of(asked)} | set(np.flatnonzero(stood).tolist())
     driven = columns.intervention & columns.in_place_of_policy
-    return EpisodeBurden(
+    return AskedInEpisode(
         outcome=episode.outcome,
         length_s=len(episode) * period_s,
         requests=len(runs_of(by_gate)) + len(begun),
@@ -69,12 +69,12 @@ def burden_of(episode: Episode) -> EpisodeBurden:
     )
 
 
-def burden_of_all(episodes: Sequence[EpisodeBurden]) -> Burden:
+def asked_in_all(episodes: Sequence[AskedInEpisode]) -> Asked:
     """Return what all of them asked together."""
     requests = sum(each.requests for each in episodes)
     minutes = sum(each.length_s for each in episodes) / MINUTE_S
     turns_s = [turn_s for each in episodes for turn_s in each.turns_s]
-    return Burden(
+    return Asked(
         episodes=len(episodes),
         requests=requests,
         requests_a_minute=requests / minutes if minutes else float("nan"),
