@@ -1,6 +1,6 @@
 """Episodes for a verb: run, or read where the store has them; and tables of what they showed."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 
@@ -23,6 +23,7 @@ from sheath_manip.protocols import Environment, Listener, Report
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.task import Task
+from sheath_manip.types import Episode
 
 
 @contextmanager
@@ -59,10 +60,15 @@ def run_all(
     store: EpisodeStore | None = None,
     listeners: Sequence[Listener] = (),
     report: Report = unheard,
+    see: Callable[[Episode], None] = lambda _: None,
 ) -> Iterator[EpisodeRecord]:
-    """Run each episode, or read it where `store` has it; `report` is told each outcome."""
+    """Run each episode, or read it where `store` has it.
+
+    `report` is told each outcome, and `see` is shown the whole episode.
+    """
     for episode in executor.map(requests, store, listeners):
         report(str(episode.outcome))
+        see(episode)
         yield record_of(episode)
 
 

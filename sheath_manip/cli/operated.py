@@ -11,6 +11,7 @@ from sheath_manip.cli.session import Session
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.patient import FOR_PEOPLE, RequestConfig
 from sheath_manip.playback.labels import FALLBACK
 from sheath_manip.protocols import Environment, Expert, Listener
 from sheath_manip.rollout.pacing import Pacing
@@ -22,9 +23,12 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.dashboard import Dashboard
     from sheath_manip.dashboard.widget import WidgetFactory
+    from sheath_manip.rollout.simulated_operator import OperatorConfig
 
 PERSON = "person"
 """Name of a person among a task's experts."""
+SIMULATED = "simulated-person"
+"""Name of a simulated one, who sits where the person does."""
 
 
 @dataclass(frozen=True)
@@ -43,21 +47,36 @@ class Operating:
     deadline: Annotated[float | None, default_is("1 with a person, else none")] = None
     """share of the control period after which policy and gate are late, so that the expert acts;
     then a call that hangs is broken off, too; 0 is none"""
+    requests: RequestConfig = FOR_PEOPLE
+    """how seldom a person is asked, where the checkpoint's own gate does not say; alarms count
+    whatever is spared: who is asked too often drives on"""
 
     def timed(self, driver: Driver, paced: bool = True) -> Driver:
         """Return `driver` with its deadline: none where a run is not `paced`, unless asked for."""
         share = float(paced) if self.deadline is None else self.deadline
         return driver if share == 0 else TimedDriver(driver, Deadline(share / self.speed))
 
-    def require_default(self) -> None:
-        """Raise ParameterError where one is given that only a person could use."""
+    def require_default(self, but: tuple[str, ...] = ("deadline",)) -> None:
+        """Raise ParameterError where one is given that only a person could use, `but` those."""
         for each in fields(self):
-            if each.name == "deadline":
+            if each.name in but:
                 continue
             value = getattr(self, each.name)
             if value != each.default:
                 name = each.name.replace("_", "-")
-                raise ParameterError(f"--{name} {value} is for a person; wanted --expert {PERSON}")
+                shown = "" if isinstance(value, RequestConfig) else f" {value}"
+                raise ParameterError(f"--{name}{shown} is for a person; wanted --expert {PERSON}")
+
+    def answered(self, driver: Driver, operator: "OperatorConfig") -> Driver:
+        """Return `driver` with a simulated person beside it; ParameterError for his page's options.
+
+        There is no page, and nobody is late where nothing waits for the clock.
+        """
+        from sheath_manip.cockpit.answered import AnsweredDriver
+
+        self.require_default(but=("fallback", "wait_s", "deadline", "requests"))
+        answered = AnsweredDriver(driver, operator, self.fallback, self.wait_s, self.requests)
+        return self.timed(answered, paced=False)
 
     @contextmanager
     def crew(
@@ -137,6 +156,7 @@ class Crew:
                 hold=HOLD if self.can_hold else None,
                 wait_s=self.operating.wait_s,
                 dead_man=self.dead_man,
+                requests=self.operating.requests,
             )
         )
 

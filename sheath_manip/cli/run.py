@@ -5,17 +5,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from sheath_manip.cli.operated import PERSON, Operating
+from sheath_manip.cli.operated import PERSON, SIMULATED, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is, spec_of
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Listener
+from sheath_manip.rollout.simulated_operator import OperatorConfig
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import SCRIPTED, Task
-from sheath_manip.types import EpisodeInfo, Purpose
+from sheath_manip.types import Episode, EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
     from sheath_manip.learning.checkpoint import Checkpoint
+    from sheath_manip.rollout.asked import AskedInEpisode
     from sheath_manip.rollout.request import Driver
 
 
@@ -40,11 +42,14 @@ class Run:
     support on the page, and lets ν be changed there, not only the threshold"""
     expert: str = SCRIPTED
     """expert that takes over: the scripted one, a fallback controller that the task has, such as
-    hold or back-up, or a person, who is asked on the page and may take over there at any time"""
+    hold or back-up, a person, who is asked on the page and may take over there at any time, or a
+    simulated-person in that place, who reacts late"""
     policy_alone: bool = False
     """let the policy act without gate and expert"""
     dashboard: bool = False
     """show the run in the browser"""
+    simulated: OperatorConfig = field(default_factory=OperatorConfig)
+    """the simulated person"""
     operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
@@ -54,7 +59,12 @@ class Run:
         task = session.runnable(self.task)
         if self.expert == PERSON:
             return self._with_a_person(task, session)
-        self.operating.require_default()
+        if self.expert == SIMULATED and self.policy_alone:
+            raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
+        if self.expert != SIMULATED:
+            self.operating.require_default()
+            if self.simulated != OperatorConfig():
+                raise ParameterError(f"--simulated is for one; wanted --expert {SIMULATED}")
         if self.training_store is not None:
             raise ParameterError(f"--training-store is for a person; wanted --expert {PERSON}")
         # Only now: torch takes seconds to import.
@@ -66,8 +76,11 @@ class Run:
         if not self.policy_alone:
             # A gate that judges by nothing is no gate: said before anything runs.
             checkpoint.gate()
-            driver = GatedPolicy(self.checkpoint, named, self.expert)
-        driver = self.operating.timed(driver, paced=False)
+            driver = GatedPolicy(self.checkpoint, named, self._beneath)
+        if self.expert == SIMULATED:
+            driver = self.operating.answered(driver, self.simulated)
+        else:
+            driver = self.operating.timed(driver, paced=False)
         with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
             for page in listeners:
                 page.saved_in = self._saved_in
@@ -92,6 +105,11 @@ class Run:
             return self._run(crew.operated(), session, checkpoint, driver, listeners)
 
     @property
+    def _beneath(self) -> str:
+        """The expert of the driver beside which a person sits."""
+        return SCRIPTED if self.expert == SIMULATED else self.expert
+
+    @property
     def _saved_in(self) -> str:
         return "" if self.store is None else str(self.store)
 
@@ -112,10 +130,12 @@ class Run:
         driver: "Driver",
         listeners: Sequence[Listener],
     ) -> int:
+        from sheath_manip.cli.asked import print_asked
         from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
         from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.checkpoint import digest
+        from sheath_manip.rollout.asked import asked_in
         from sheath_manip.rollout.request import EpisodeRequest
         from sheath_manip.rollout.serial import SerialExecutor
 
@@ -144,8 +164,14 @@ class Run:
             # The same scene by hand again is another episode.
             infos = begun(store, infos, new_session())
         requests = [EpisodeRequest(task, info, driver) for info in infos]
+        asked: list[AskedInEpisode] = []
+
+        def count(episode: Episode) -> None:
+            asked.append(asked_in(episode))
+
         with SerialExecutor() as executor, session.progress("episodes", self.episodes) as report:
-            records = list(run_all(executor, requests, store, listeners, report))
+            records = list(run_all(executor, requests, store, listeners, report, count))
         print_episodes(records, spec.metric, session)
         print_figures(records, session)
+        print_asked(asked, session)
         return 0

@@ -66,7 +66,7 @@ class Cockpit:
         """what is done while no episode runs"""
         self._axes: tuple[float, SixAxes] | None = None
         self._acting = State(operated=bool(guide), fallback=fallback)
-        """the loop's part of what the page shows: turn, asking, left_s"""
+        """the loop's part of what the page shows: turn, asking, left_s, may_go_on"""
         self.input = EMPTY
         """what the person's devices said in this step"""
         self.tool_pose: NDArray[np.float64] | None = None
@@ -247,13 +247,18 @@ class Cockpit:
         )
 
     def give_turn(
-        self, turn: Actor, asking: bool = False, left_s: float = 0.0, still: bool = False
+        self,
+        turn: Actor,
+        asking: bool = False,
+        left_s: float = 0.0,
+        still: bool = False,
+        may_go_on: bool = True,
     ) -> None:
-        """Say who acts in this step, and whether the robot asks for a person."""
+        """Say who acts in this step, whether the robot asks, and whether the policy may go on."""
         before = self._acting
         self.still = still
-        self._acting = replace(before, turn=turn, asking=asking, left_s=left_s)
-        if (before.turn, before.asking) != (turn, asking):
+        self._acting = replace(before, turn=turn, asking=asking, left_s=left_s, may_go_on=may_go_on)
+        if (before.turn, before.asking, before.may_go_on) != (turn, asking, may_go_on):
             self.on_change()
 
     def wait(self) -> None:

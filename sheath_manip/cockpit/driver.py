@@ -7,7 +7,9 @@ from sheath_manip.cockpit.environment import OperatedEnvironment
 from sheath_manip.cockpit.gate import WAIT_S, PersonGate
 from sheath_manip.cockpit.operator import beside_the_policy
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.protocols import Environment
+from sheath_manip.gates.human import HumanGate, Nobody
+from sheath_manip.gates.patient import FOR_PEOPLE, PatientGate, RequestConfig
+from sheath_manip.protocols import Environment, Holds
 from sheath_manip.rollout.request import Crew, Driver
 from sheath_manip.task import SCRIPTED, Task
 
@@ -26,6 +28,8 @@ class OperatedDriver:
     """for the person, before the fallback acts"""
     dead_man: bool = True
     """whether the robot holds while no device is held"""
+    requests: RequestConfig = FOR_PEOPLE
+    """how seldom the person is asked, where the other driver's gate does not say"""
 
     def crew(self, task: Task, environment: Environment) -> Crew:
         """Put the person's gate around the other driver's, and the person beside its crew.
@@ -40,14 +44,22 @@ class OperatedDriver:
         crew = self.driver.crew(task, inner)
         fallback = task.make_expert(inner, self.fallback)
         hold = fallback if self.hold is None else task.make_expert(inner, self.hold)
+        gate, requests = crew.gate, self.requests
+        if isinstance(gate, PatientGate):
+            gate, requests = gate.gate, gate.config
+        if isinstance(gate, HumanGate):
+            # Who is at the cockpit says when, and nobody is simulated beside.
+            gate = HumanGate(Nobody())
         gate = PersonGate(
-            crew.gate,
+            gate,
             self.cockpit,
             environment.spec.control_rate_hz,
             wait_s=self.wait_s,
             can_hold=self.hold is not None,
             dead_man=self.dead_man,
             fallback_teaches=self.fallback == SCRIPTED,
+            stands_still=not isinstance(inner, Holds),
+            requests=requests,
         )
         others = beside_the_policy(self.cockpit, task.teleop(inner), hold=hold, fallback=fallback)
         return Crew(gate, crew.policy, crew.expert, others)

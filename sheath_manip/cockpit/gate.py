@@ -9,6 +9,7 @@ from sheath_manip.cockpit.cockpit import Cockpit
 from sheath_manip.cockpit.standing import Now
 from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.patient import FOR_PEOPLE, PatientGate, RequestConfig
 from sheath_manip.protocols import Gate
 from sheath_manip.rollout.deciding import GuardedGate
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
@@ -26,9 +27,13 @@ class PersonGate:
     without handing back does so too, until somebody takes over or orders the hand-back, in the next
     episode as well: no fallback acts of itself then. The emergency stop is above all of it.
 
-    Steps in which the robot only holds are not labelled. A simulation that cannot hold (a car at
-    constant speed) stands still instead: `decide` returns when it may go on, and raises
-    UnattendedError where the page is gone from which somebody could say so.
+    A person is asked seldom, as `requests` says. Who hands back before it is time for that is not
+    asked again but by the next alarm; where that were a request too many the fallback acts.
+
+    Steps in which the robot only holds are not labelled. While a simulation waits for a person it
+    stands still, which costs no step; one that cannot hold (a car at constant speed) stands still
+    whatever the reason. `decide` returns when it may go on, and raises UnattendedError where the
+    page is gone from which somebody could say so.
     """
 
     def __init__(
@@ -41,6 +46,8 @@ class PersonGate:
         can_hold: bool = True,
         dead_man: bool = True,
         fallback_teaches: bool = True,
+        stands_still: bool = True,
+        requests: RequestConfig = FOR_PEOPLE,
     ) -> None:
         """Store who is asked when, and for how long.
 
@@ -52,50 +59,79 @@ class PersonGate:
             can_hold: whether an action leaves the robot where it is.
             dead_man: whether the robot holds while no device is held.
             fallback_teaches: whether what the fallback does is learned from.
+            stands_still: whether nothing moves between two steps, as in a simulation; a robot is
+                held step by step while it waits.
+            requests: limits on how often the person is asked.
         """
         if not wait_s >= 0:
             raise ParameterError(f"wait_s is {wait_s}; wanted at least 0, such as {WAIT_S:g}")
-        self.gate = GuardedGate(gate)
+        self._patient = PatientGate(gate, requests, session=True)
+        self.gate = GuardedGate(self._patient)
         self.cockpit = cockpit
         self.wait_s = wait_s
         self.can_hold = can_hold
         self.dead_man = dead_man
         self.fallback_teaches = fallback_teaches
+        self.stands_still = stands_still
         self._period_s = 1 / control_rate_hz
         self._waited_s = 0.0
+        self._attended = False
+        """whether somebody drove when last looked at, or was lost"""
 
     def reset(self, rng: np.random.Generator) -> None:
         """A new episode; who drives drives on."""
         self.gate.reset(rng)
         self.cockpit.gated = True
         self._waited_s = 0.0
+        if not self._is_attended():
+            self._patient.release()
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
-        """Ask the gate and the cockpit; blocks only while a simulation cannot hold."""
+        """Ask the gate and the cockpit; blocks while a simulation stands still."""
+        attended, self._attended = self._attended, self._is_attended()
+        if attended and not self._attended:
+            self._patient.release()
         wanted = self.gate.decide(observation, proposal)
         now = self.cockpit.now()
         turn, reason = self._turn(wanted, now)
-        while turn is Actor.HOLD and not self.can_hold and now.ending is None:
+        stood_s = 0.0
+        while self._still(turn, reason, now) and now.ending is None:
             require_attended(now)
             rested_s = self.cockpit.rest()
-            self._waited_s += rested_s * (reason is Reason.WAITING and not self.cockpit.paused)
+            if reason is Reason.WAITING and not self.cockpit.paused:
+                self._waited_s += rested_s
+                stood_s += rested_s
             now = self.cockpit.now()
             turn, reason = self._turn(wanted, now)
+        self._attended = self._is_attended()
         self._waited_s += self._period_s * (reason is Reason.WAITING)
         if turn is Actor.POLICY:
             # Nobody can be asked for a label without driving.
-            return replace(wanted, query=False)
+            return replace(wanted, query=False, waited_s=stood_s)
         teaches = turn is Actor.OPERATOR or (turn is Actor.FALLBACK and self.fallback_teaches)
-        return replace(wanted, actor=turn, query=teaches, reason=reason)
+        return replace(wanted, actor=turn, query=teaches, reason=reason, waited_s=stood_s)
+
+    def _is_attended(self) -> bool:
+        state = self.cockpit.state
+        return state.taken or state.abandoned
+
+    def _still(self, turn: Actor, reason: Reason, now: Now) -> bool:
+        """Whether the step must not be made."""
+        if turn is not Actor.HOLD:
+            return False
+        # Who was lost or stopped must find an arm at rest, as on a robot.
+        waits = reason is Reason.WAITING and not now.must_hold and not now.closed
+        return not self.can_hold or (self.stands_still and waits)
 
     def _turn(self, wanted: GateDecision, now: Now) -> tuple[Actor, Reason]:
         turn, reason = self._whose(wanted, now)
-        if now.must_hold or reason not in (Reason.WAITING, Reason.NO_ANSWER):
+        if now.must_hold or reason not in (Reason.WAITING, Reason.NO_ANSWER, Reason.SPARED):
             self._waited_s = 0.0
         asking = reason in (Reason.WAITING, Reason.NO_ANSWER)
         left_s = math.inf if now.must_hold else max(0.0, self.wait_s - self._waited_s)
-        still = turn is Actor.HOLD and not self.can_hold
-        self.cockpit.give_turn(turn, asking, left_s, still)
+        still = self._still(turn, reason, now)
+        may_go_on = wanted.actor is Actor.POLICY
+        self.cockpit.give_turn(turn, asking, left_s, still, may_go_on)
         return turn, reason
 
     def _whose(self, wanted: GateDecision, now: Now) -> tuple[Actor, Reason]:
@@ -109,6 +145,8 @@ class PersonGate:
             return Actor.HOLD, Reason.IDLE
         if wanted.actor is Actor.POLICY:
             return Actor.POLICY, wanted.reason
+        if wanted.reason is Reason.SPARED:
+            return Actor.FALLBACK, Reason.SPARED
         if self._waited_s < self.wait_s and not self._in_vain(now):
             return Actor.HOLD, Reason.WAITING
         return Actor.FALLBACK, Reason.NO_ANSWER

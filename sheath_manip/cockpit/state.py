@@ -32,6 +32,8 @@ class State:
     turn: Actor = Actor.POLICY
     asking: bool = False
     """whether the robot waits for a person"""
+    may_go_on: bool = True
+    """whether the gate would let the policy act: then who drives may hand back"""
     left_s: float = 0.0
     """until somebody else acts in the person's place"""
     operator: str | None = None

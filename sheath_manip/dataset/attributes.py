@@ -23,6 +23,7 @@ from sheath_manip.dataset.header import CAMERA, Header, is_rate, require_sizes
 from sheath_manip.dataset.layout import layout, require_bounds
 from sheath_manip.dataset.naming import episode_name, is_session
 from sheath_manip.dataset.space import Space
+from sheath_manip.dataset.waits import waits_from_json
 from sheath_manip.exceptions import StoreError
 from sheath_manip.files.bounded_json import parse_json
 from sheath_manip.files.json_files import strict_float
@@ -52,7 +53,7 @@ def to_attributes(header: Header) -> dict[str, Any]:
     fields = asdict(replace(header, space=None, digests=None))
     info = fields.pop("info")
     # What few episodes have is written for those alone.
-    for name in ("broken", "instruction"):
+    for name in ("broken", "waits", "instruction"):
         if not fields[name]:
             del fields[name]
     del fields["digests"]
@@ -189,6 +190,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         recorded_utc=fields.take("recorded_utc", word),
         space=fields.take("space", _space, **({"absent": None} if schema == 1 else {})),
         broken=fields.take("broken", broken_from_json, absent=()),
+        waits=fields.take("waits", waits_from_json, absent=()),
         instruction=fields.take("instruction", word, absent=""),
     )
     if fields.take("success", flag) is not (header.outcome is Outcome.SUCCESS):

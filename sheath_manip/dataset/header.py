@@ -10,6 +10,7 @@ from importlib import metadata
 from sheath_manip.dataset.broken_steps import BrokenSteps, broken_steps
 from sheath_manip.dataset.naming import episode_name, is_session
 from sheath_manip.dataset.space import Space
+from sheath_manip.dataset.waits import Wait, waits_of
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import (
     ACTORS,
@@ -64,6 +65,8 @@ class Header:
     """what features and actions mean; None where the recording does not say"""
     broken: tuple[BrokenSteps, ...] = ()
     """what broke down, and when; what cut the episode short at a step after its last one"""
+    waits: tuple[Wait, ...] = ()
+    """when the robot stood still and waited for a person"""
     instruction: str = ""
     """what the robot was told to do when the episode began; empty where nothing was said"""
     digests: Mapping[str, str] | None = field(default=None, compare=False)
@@ -117,6 +120,7 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         recorded_utc=datetime.now(UTC).isoformat(timespec="seconds"),
         space=space,
         broken=broken_steps(episode),
+        waits=waits_of(episode),
         instruction=episode.steps[0].observation.instruction,
     )
     try:

@@ -108,6 +108,7 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
     queries, rewards = arrays["query"].tolist(), arrays["reward"].tolist()
     times_s = arrays["time_s"].tolist()
     broken = broken_by_step(header.broken, header.length)
+    waited_s = {wait.step: wait.waited_s for wait in header.waits}
     limited = arrays["limited"].tolist() if header.limits else [[]] * header.length
     steps = tuple(
         Step(
@@ -127,6 +128,7 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
                 scores[t],
                 thresholds[t],
                 broken.get(t, ()),
+                waited_s.get(t, 0.0),
             ),
             executed=arrays["executed"][t],
             reward=rewards[t],

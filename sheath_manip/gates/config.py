@@ -52,8 +52,8 @@ class GateConfig:
     minimum_hold_steps: int = 0
     """least number of steps for which the expert acts once it has taken over"""
     stuck_steps: int = 0
-    """steps in which nothing moves, by the expert's own stillest, after which the expert takes
-    over; 0: nobody notices"""
+    """steps in which the robot does not get on, since it stands still or comes back to where it
+    was, by the expert's own least; then the expert takes over; 0: nobody notices"""
     requests: RequestConfig = field(default_factory=RequestConfig)
     labels: str = "all"
     """states that the expert labels: all, or own (only those in which it acts)"""
@@ -66,6 +66,10 @@ class GateConfig:
         for name in ("release_margin", "quiet_steps", "minimum_hold_steps", "stuck_steps"):
             if not getattr(self, name) >= 0:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted at least 0")
+        if self.stuck_steps == 1:
+            raise ParameterError(
+                "stuck_steps is 1; wanted 0 or at least 2, the while in two halves"
+            )
         if self.labels not in LABELS:
             raise ParameterError(f"labels is {self.labels!r}; wanted {' or '.join(LABELS)}")
 

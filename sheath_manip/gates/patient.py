@@ -16,14 +16,15 @@ ROUNDING_S = 1e-6
 class RequestConfig:
     """Limits on requests: how long a turn of the expert lasts, and how many there may be.
 
-    They delay the hand-back. An alarm always gives the wheel to the expert, and who is asked too
+    They delay the hand-back. An alarm always takes the wheel from the policy, and who is asked too
     often keeps it.
     """
 
     turn_s: float = 0.0
-    """shortest turn of the expert"""
+    """shortest turn of the expert, before which no other request can come"""
     quiet_s: float = 0.0
-    """time without an alarm before the expert hands back"""
+    """time without an alarm, the expert's hand still on it, before it hands back: alarms that are
+    closer together are one request"""
     a_minute: int = 0
     """requests in any 60 s, at most: after the last the expert drives until another may come; 0: no
     limit"""
@@ -41,31 +42,61 @@ class RequestConfig:
         return self != RequestConfig()
 
 
+FOR_PEOPLE = RequestConfig(turn_s=2.0, quiet_s=1.0, a_minute=3, an_episode=6)
+"""what a person can live with: time to see what is wrong and to put it right, and rest between two
+requests; three in any minute are at most four a minute in the mean of three minutes"""
+
+
 class PatientGate:
     """Another gate, whose expert hands back only where that spares requests.
 
     Time is that of the observations, so that it does not depend on how fast they come.
     """
 
-    def __init__(self, gate: Gate, config: RequestConfig) -> None:
-        """Store the gate that says where the policy may act, and the limits."""
+    def __init__(self, gate: Gate, config: RequestConfig, session: bool = False) -> None:
+        """Store the gate that says where the policy may act, and the limits.
+
+        In a `session` episodes follow each other before one and the same person: requests of
+        earlier ones count in the minute, and a turn goes on in the next episode. Else each episode
+        is the first.
+        """
         self.gate = gate
         self.config = config
+        self.session = session
+        self._before_s = 0.0
+        """of the session, when the episode began"""
+        self._now_s = 0.0
         self._forget()
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Forget the last episode: requests of it do not count in the next."""
+        """Begin an episode."""
         self.gate.reset(rng)
-        self._forget()
+        if self.session:
+            self._before_s, self._quiet_since_s = self._now_s, None
+            self._in_episode = 0
+        else:
+            self._forget()
+
+    def release(self) -> None:
+        """Note that the expert has handed back, whatever spares requests: alarms still count."""
+        self._since_s = None
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Decide as the gate does, but hand back late."""
-        decision, now_s = self.gate.decide(observation, proposal), observation.time_s
+        decision = self.gate.decide(observation, proposal)
+        self._now_s = now_s = self._before_s + observation.time_s
         if decision.actor is not Actor.POLICY:
-            if self._since_s is None:
-                self._since_s = now_s
-                self._requests_s.append(now_s)
             self._quiet_since_s = None
+            if self._since_s is not None:
+                return decision
+            if decision.reason is Reason.HOLD:
+                # No alarm, and who drove has handed back.
+                return replace(decision, actor=Actor.POLICY, query=False, reason=Reason.PERSON)
+            if self._spent(now_s):
+                return replace(decision, actor=Actor.EXPERT, query=True, reason=Reason.SPARED)
+            self._since_s = now_s
+            self._requests_s.append(now_s)
+            self._in_episode += 1
             return decision
         if self._since_s is None:
             return decision
@@ -84,13 +115,19 @@ class PatientGate:
             return Reason.HOLD
         if now_s - quiet_since_s < config.quiet_s - ROUNDING_S:
             return Reason.HOLD
-        if config.an_episode and len(self._requests_s) >= config.an_episode:
-            return Reason.SPARED
         # The next alarm may come at once, and would be a request.
+        return Reason.SPARED if self._spent(now_s) else None
+
+    def _spent(self, now_s: float) -> bool:
+        """Whether nobody may be asked any more, for now."""
+        config = self.config
+        if config.an_episode and self._in_episode >= config.an_episode:
+            return True
         lately = sum(now_s - at_s < MINUTE_S - ROUNDING_S for at_s in self._requests_s)
-        return Reason.SPARED if config.a_minute and lately >= config.a_minute else None
+        return bool(config.a_minute) and lately >= config.a_minute
 
     def _forget(self) -> None:
         self._since_s: float | None = None
         self._quiet_since_s: float | None = None
         self._requests_s: list[float] = []
+        self._in_episode = 0

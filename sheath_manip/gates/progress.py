@@ -1,11 +1,11 @@
 """Notices that nothing goes on: to be stuck is to fail, though each state be familiar.
 
-A signal looks at single states, and a robot that stands still in a familiar one raises no alarm.
-What is watched here is how far the features move within a while, in units of their spread, against
-the stillest while in which the expert itself got on.
+A signal looks at single states, and a robot that stands still in a familiar one raises no alarm;
+neither does one that goes to and fro, or in a circle. What is watched here is how far the newest
+half of a while leads away from all states of its older half, in units of the features' spread,
+against the least that the expert itself got on in as long a while.
 """
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -18,19 +18,19 @@ from sheath_manip.protocols import Arrays, Gate
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 
 SHARE = 0.5
-"""of the expert's own least motion, below which nothing goes on"""
+"""of the least that the expert got on, below which nothing goes on"""
 
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """How little the expert moves within a while."""
+    """How little the expert gets on within a while."""
 
     steps: int
     """of the while"""
     spread: NDArray[np.float64]
     """(f,) from the lowest to the highest of each feature, over all of the expert's states"""
     least: float
-    """motion of the expert in its stillest while; 0, which nothing is below, where no episode was
+    """how far the expert got in its stillest while; 0, which nothing is below, where no episode was
     as long"""
 
     @classmethod
@@ -38,29 +38,24 @@ class Progress:
         """Measure (n_k, f) features of the expert's episodes, in whiles of so many steps."""
         together = np.concatenate(episodes).astype(np.float64)
         spread = np.ptp(together, axis=0)
-        found = cls(steps, np.where(spread > 0, spread, np.inf), 0.0)
-        whiles = [
-            found.motion(episode[first : first + steps])
-            for episode in episodes
-            for first in range(len(episode) - steps + 1)
-        ]
-        return replace(found, least=min(whiles, default=0.0))
+        spread = np.where(spread > 0, spread, np.inf)
+        lately, got_on = While(steps, spread), []
+        for episode in episodes:
+            lately.forget()
+            got_on += [lately.add(features) for features in episode]
+        least = min(got_on, default=np.inf)
+        return cls(steps, spread, least if np.isfinite(least) else 0.0)
 
-    def motion(self, features: NDArray) -> float:
-        """Return how far the feature that moves most does, within (n, f) `features` of a while."""
-        moved = np.ptp(np.asarray(features, np.float64), axis=0) / self.spread
-        return float(moved.max()) if moved.size else 0.0
-
-    def is_stuck(self, features: NDArray) -> bool:
-        """Tell whether nothing goes on in (n, f) `features` of a whole while."""
-        return self.motion(features) < SHARE * self.least
+    def is_stuck(self, got_on: float) -> bool:
+        """Tell whether nothing goes on where a robot `got_on` so far in a whole while."""
+        return got_on < SHARE * self.least
 
     def arrays(self) -> Arrays:
         """Return what was learned."""
         return {
             "steps": np.array(self.steps),
             "spread": np.where(np.isfinite(self.spread), self.spread, 0.0),
-            "least": np.array(self.least),
+            "least_got_on": np.array(self.least),
         }
 
     @classmethod
@@ -70,8 +65,51 @@ class Progress:
         return cls(
             int(numbers(arrays, "steps")),
             np.where(spread > 0, spread, np.inf),
-            float(numbers(arrays, "least")),
+            float(numbers(arrays, "least_got_on")),
         )
+
+
+class While:
+    """The last steps of an episode, and how far they have led.
+
+    For each state of the newest half the nearest one of the older half is looked for. Of these
+    distances, Euclidean in units of the spread, the largest is how far the robot got on: one that
+    comes back to where it was has not got on.
+    """
+
+    def __init__(self, steps: int, spread: NDArray) -> None:
+        """Store how many steps a while has, at least 2, and (f,) the units of the features."""
+        self.steps = steps
+        self.spread = spread
+        newest = steps // 2
+        ages = np.arange(newest)
+        # The older half as seen from each state of the newest one: so many steps before it.
+        self._places = ages[:, None], np.arange(newest, steps) - ages[:, None]
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin an episode."""
+        self._rows = np.zeros((self.steps, len(self.spread)), np.float32)
+        self._apart = np.zeros((self.steps, self.steps), np.float32)
+        """squared distances of each state, the newest first, to those before it, by their lag"""
+        self._seen = 0
+
+    def add(self, features: NDArray) -> float:
+        """Take (f,) the features of a step; how far the robot got on, inf before a while is over.
+
+        Without features nothing is known: inf.
+        """
+        row = (features / self.spread).astype(np.float32)
+        place = self._seen % self.steps
+        self._rows[place] = row
+        self._seen += 1
+        differences = self._rows - row
+        squared = np.einsum("ij,ij->i", differences, differences)
+        self._apart[1:] = self._apart[:-1]
+        self._apart[0] = squared[(place - np.arange(self.steps)) % self.steps]
+        if self._seen < self.steps or not row.size:
+            return np.inf
+        return float(np.sqrt(self._apart[self._places].min(axis=1).max()))
 
 
 class ProgressGate:
@@ -81,19 +119,17 @@ class ProgressGate:
         """Store who else judges, and what counts as getting on."""
         self.gate = gate
         self.progress = progress
-        self._lately: deque[NDArray] = deque(maxlen=progress.steps)
+        self._lately = While(progress.steps, progress.spread)
 
     def reset(self, rng: np.random.Generator) -> None:
         """Forget the last episode."""
         self.gate.reset(rng)
-        self._lately.clear()
+        self._lately.forget()
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         """Decide as the gate does, and for the expert where the policy has got nowhere."""
         decision = self.gate.decide(observation, proposal)
-        self._lately.append(observation.features)
-        if decision.actor is not Actor.POLICY or len(self._lately) < self.progress.steps:
-            return decision
-        if not self.progress.is_stuck(np.stack(self._lately)):
+        got_on = self._lately.add(observation.features)
+        if decision.actor is not Actor.POLICY or not self.progress.is_stuck(got_on):
             return decision
         return replace(decision, actor=Actor.EXPERT, query=True, reason=Reason.STUCK)

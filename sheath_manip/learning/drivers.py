@@ -1,14 +1,19 @@
 """What may drive an episode: an expert, a policy under its gate, or a policy alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, attentive_person
+from sheath_manip.gates import AlwaysExpert, AlwaysPolicy, AttentivePerson
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.protocols import Environment, Policy
 from sheath_manip.rollout.action_noise import DisturbedExpert
 from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.request import Crew
+from sheath_manip.rollout.simulated_operator import (
+    OperatorConfig,
+    OperatorHand,
+    SimulatedOperator,
+)
 from sheath_manip.task import SCRIPTED, Task
 
 
@@ -46,16 +51,20 @@ class GatedPolicy:
     """of its file: another one at the same place is another driver"""
     expert: str = SCRIPTED
     """the expert, or a fallback controller by its name"""
-    attended: bool = True
-    """whether an attentive person watches, for gates that ask one when to take over"""
+    watched_by: OperatorConfig | None = field(default_factory=OperatorConfig)
+    """the simulated person who watches, for gates that leave it to one when to take over; None:
+    nobody does"""
 
     def crew(self, task: Task, environment: Environment) -> Crew:
         """Read the checkpoint, and make its gate and the expert."""
         checkpoint = load_checkpoint(self.checkpoint, environment.spec)
         expert = CachedExpert(task.make_expert(environment, self.expert))
-        person = attentive_person(expert, environment.spec.action) if self.attended else None
-        gate = checkpoint.gate(person=person)
-        return Crew(gate, checkpoint.policy, expert)
+        if self.watched_by is None or checkpoint.fitted.config.kind != "human":
+            return Crew(checkpoint.gate(), checkpoint.policy, expert)
+        spec, operator = environment.spec, SimulatedOperator(self.watched_by)
+        gate = checkpoint.gate(person=AttentivePerson(expert, spec, operator))
+        hand = OperatorHand(expert, operator, spec.action, spec.control_rate_hz)
+        return Crew(gate, checkpoint.policy, CachedExpert(hand))
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,12 @@ def _paper(plan: LearningPlan) -> LearningPlan:
         "bandwidth_factor": PAPER_BANDWIDTH,
         "bandwidth_unit": "dimensions",
     }
-    gate = {"signal": "support", "support": support, "threshold": {"rule": "boundary"}}
+    gate = {
+        "signal": "support",
+        "support": support,
+        "threshold": {"rule": "boundary"},
+        "stuck_steps": 0,
+    }
     return _on_raw_features(plan).changed(gate=gate)
 
 

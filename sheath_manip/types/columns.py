@@ -54,6 +54,8 @@ class Columns:
     """(T,) whether a command filter changed the command"""
     intervention: NDArray[np.bool_]
     """(T,) whether somebody else than the policy acted, though there was one"""
+    waited_s: NDArray[np.float64]
+    """(T,) for how long a simulation stood still before the step, until a person came or not"""
 
     @classmethod
     def of(cls, steps: Sequence[Step], driven: bool) -> "Columns":
@@ -82,6 +84,7 @@ class Columns:
             reward=np.array([step.reward for step in steps], np.float64),
             limited=np.array([bool(step.limited) for step in steps], bool),
             intervention=np.array([intervened(step, driven) for step in steps], bool),
+            waited_s=np.array([decision.waited_s for decision in decisions], np.float64),
         )
 
     def __len__(self) -> int:

@@ -73,8 +73,8 @@ class Reason(StrEnum):
     STUCK = "no progress"
     """the states are familiar, but nothing has moved for a while: the expert shows the way on"""
     SPARED = "request spared"
-    """the policy might act again, but the next alarm would be one request too many: the expert
-    drives on"""
+    """the next alarm would be one request too many, or this one is: the expert drives on, and where
+    nobody is there the fallback controller acts"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +168,8 @@ class GateDecision:
     """the score below which the expert takes over; NaN where the gate has none"""
     broken: tuple[Breakdown, ...] = ()
     """what broke down in this step, in that order"""
+    waited_s: float = 0.0
+    """for a person, before this step: the simulation stood still meanwhile, so it is no step"""
 
 
 @dataclass(frozen=True, order=True)

@@ -100,7 +100,26 @@ def test_run_asks_a_person_and_falls_back(sheath, made, at_the_page, tmp_path):
     assert "3 episodes" in out
     assert {s.info.method.rpartition("-")[2] for s in EpisodeStore(store).infos()} == {"person"}
     assert Reason.PERSON not in reasons(store)
-    assert {Reason.INSIDE, Reason.WAITING} <= set(reasons(store))
+    # To wait takes no step: what the robot waited for in vain is in the step after it.
+    assert {Reason.INSIDE, Reason.NO_ANSWER} <= set(reasons(store))
+    assert Reason.WAITING not in reasons(store)
+    assert "seconds waited" in out
+
+
+def test_a_simulated_person_answers_and_what_was_asked_is_printed(sheath, made, tmp_path):
+    argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 3)
+    person = ("--expert", "simulated-person", "--simulated.reaction-s", 0.5)
+    code, out, _ = sheath(*argv, *person, "--store", tmp_path / "first")
+    assert code == 0
+    for burden in ("requests a minute", "requests an episode", "median turn, s", "seconds driven",
+                   "seconds waited", "labels", "failed", "stuck"):  # fmt: skip
+        assert burden in out
+    assert Reason.PERSON in reasons(tmp_path / "first")
+    # The same person again does the same.
+    assert sheath(*argv, *person, "--store", tmp_path / "again")[0] == 0
+    assert reasons(tmp_path / "first") == reasons(tmp_path / "again")
+    # Of a scripted expert the same is told.
+    assert "requests a minute" in sheath(*argv)[1]
 
 
 def test_a_persons_run_has_the_gates_sliders(sheath, made, monkeypatch, tmp_path):
@@ -164,6 +183,12 @@ def test_what_is_for_a_person_wants_one(complaint, made):
     assert "a policy alone" in complaint(*run, "--expert", "person", "--policy-alone")
     said = complaint(*run, "--expert", "person", "--fallback", "nobody", "--port", 0)
     assert "unknown expert of corridor 'nobody'; known: hold, scripted" in said
+    simulated = (*run, "--expert", "simulated-person")
+    assert "--speed 2.0 is for a person" in complaint(*simulated, "--speed", 2)
+    assert "a policy alone" in complaint(*simulated, "--policy-alone")
+    assert "reaction_s is 0" in complaint(*simulated, "--simulated.reaction-s", 0)
+    assert "--simulated is for one" in complaint(*run, "--simulated.reaction-s", 2)
+    assert "--requests is for a person" in complaint(*run, "--requests.turn-s", 3)
     assert "wait_s is -1" in complaint(*run, "--expert", "person", "--wait-s", -1, "--port", 0)
     assert "pyspacemouse" in complaint(
         "teleop", "corridor", "--store", "x", "--spacemouse", "--port", 0

@@ -13,6 +13,7 @@ from sheath_manip.cockpit import (
     beside_the_policy,
 )
 from sheath_manip.gates import SupportGate
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.protocols import Gate
 from sheath_manip.rollout.discarding import until_kept
 from sheath_manip.rollout.loop import rollout
@@ -27,6 +28,8 @@ PERIOD_S = 1 / 50.0
 LEFT, IDLE = OperatorInput(keys=frozenset({"KeyJ"})), OperatorInput()
 Script = Mapping[int, Callable[[Cockpit], object]]
 """by the number of steps done, what is done at the page then"""
+AS_ON_A_ROBOT = {"dead_man": True, "stands_still": False, "requests": RequestConfig()}
+"""held step by step while it waits, and asking at each alarm"""
 STRAIGHT = Absent(lambda: np.zeros(1, np.float32))
 
 
@@ -95,7 +98,7 @@ def run(
         lambda *, rng: rollout(
             OperatedEnvironment(environment, cockpit),
             INFO,
-            PersonGate(gate, cockpit, 50.0, **{"dead_man": True} | options),
+            PersonGate(gate, cockpit, 50.0, **AS_ON_A_ROBOT | options),
             rng=rng,
             policy=STRAIGHT,
             others=others,

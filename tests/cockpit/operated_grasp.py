@@ -20,6 +20,7 @@ from sheath_manip.tasks.grasp_clutter.entry import drive_of, hold, teleop
 from sheath_manip.tasks.grasp_clutter.scene import EASY
 from sheath_manip.tasks.grasp_clutter.task import GraspTask, Scenario
 from sheath_manip.types import Actor, EpisodeInfo, Purpose, Step
+from tests.cockpit.operated_corridor import AS_ON_A_ROBOT
 from tests.judging import ByObservation
 from tests.waiting import DEADLINE_S, eventually
 from tools.scripted_person import Absent
@@ -90,7 +91,7 @@ def operated_grasp() -> Iterator[OperatedGrasp]:
         try:
             with Dashboard(inner.spec, port=0, cockpit=cockpit) as page:
                 inside = SupportGate(ByObservation(lambda _: ready[0].score), 0.0)
-                gate = PersonGate(inside, cockpit, 20.0, wait_s=WAIT_S)
+                gate = PersonGate(inside, cockpit, 20.0, wait_s=WAIT_S, **AS_ON_A_ROBOT)
                 grasp = OperatedGrasp(page, cockpit, gate)
                 ready.append(grasp)
                 rollout(

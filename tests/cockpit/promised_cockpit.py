@@ -9,6 +9,7 @@ from hypothesis import event
 from sheath_manip.cockpit import Cockpit, OperatorInput, Order, PersonGate
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.exceptions import UnattendedError
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
 from sheath_manip.types.operator_input import Binding
 from tests.cockpit.clock import Clock
@@ -52,7 +53,15 @@ class PromisedCockpit:
         self.can_hold = can_hold
         self.whim = Whim()
         self.gate = PersonGate(
-            self.whim, self.cockpit, RATE_HZ, wait_s=wait_s, can_hold=can_hold, dead_man=True
+            self.whim,
+            self.cockpit,
+            RATE_HZ,
+            wait_s=wait_s,
+            can_hold=can_hold,
+            dead_man=True,
+            # A robot, which is held step by step, and asks at each alarm.
+            stands_still=False,
+            requests=RequestConfig(),
         )
         # What is so, by what the stations did.
         self.stops = 0

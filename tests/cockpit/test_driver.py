@@ -9,11 +9,15 @@ from sheath_manip.cockpit import Cockpit, OperatedEnvironment, Operator, PersonG
 from sheath_manip.cockpit.driver import OperatedDriver
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.gates import AlwaysPolicy, HumanGate
+from sheath_manip.gates.patient import FOR_PEOPLE, PatientGate, RequestConfig
 from sheath_manip.learning.drivers import ExpertAlone, GivenPolicy
-from sheath_manip.rollout.request import EpisodeRequest
+from sheath_manip.rollout.request import Crew, EpisodeRequest
+from sheath_manip.rollout.simulated_operator import OperatorConfig
 from sheath_manip.rollout.workplace import Workplace
 from sheath_manip.task import SCRIPTED
-from sheath_manip.types import Actor, EpisodeInfo, Purpose
+from sheath_manip.types import Actor, EpisodeInfo, Observation, Proposal, Purpose
+from tests.contracts.test_gates import watching
 from tests.toy import CORRIDOR, Corridor, MiddleKeeper, teleop
 from tools.scripted_person import Absent
 
@@ -49,20 +53,62 @@ def test_without_a_controller_that_holds_the_simulation_stands_still(cockpit):
     assert not gate.can_hold
 
 
-@pytest.mark.parametrize(
-    ("wait_s", "actors"),
-    [
-        (0.0, {Actor.FALLBACK}),
-        (0.1, {Actor.HOLD, Actor.FALLBACK}),
-        (1.0, {Actor.HOLD}),
-    ],
-)
-def test_where_the_expert_is_asked_for_and_nobody_comes(cockpit, wait_s, actors):
+@pytest.mark.parametrize("wait_s", [0.0, 0.1])
+def test_where_the_expert_is_asked_for_and_nobody_comes(cockpit, wait_s):
     driver = OperatedDriver(ExpertAlone(), cockpit, hold="hold", wait_s=wait_s)
     info = EpisodeInfo.of(Corridor().spec, variant="default", seed=3, purpose=Purpose.DEMONSTRATION)
     with Workplace() as workplace:
         episode = workplace.run(EpisodeRequest(CORRIDOR, info, driver))
-    assert {step.decision.actor for step in episode.steps} == actors
+    assert {step.decision.actor for step in episode.steps} == {Actor.FALLBACK}
+    waited_s = [step.decision.waited_s for step in episode.steps]
+    assert wait_s <= waited_s[0] <= wait_s + 1.0
+    assert set(waited_s[1:]) == {0.0}
+
+
+class Robot(Corridor):
+    """One that is brought to rest, as no simulation need be."""
+
+    def hold(self) -> None:
+        pass
+
+
+def test_a_robot_is_held_step_by_step_while_it_waits(cockpit):
+    for inner, stands_still in ((Corridor(), True), (Robot(), False)):
+        gate = OperatedDriver(STRAIGHT, cockpit, hold="hold").crew(CORRIDOR, inner).gate
+        assert isinstance(gate, PersonGate)
+        assert gate.stands_still is stands_still
+
+
+class Limited:
+    """A driver whose gate brings limits of its own, or leaves it to a person when to take over."""
+
+    def __init__(self, gate) -> None:
+        self.gate = gate
+
+    def crew(self, task, environment) -> Crew:
+        return Crew(self.gate, expert=task.make_expert(environment))
+
+
+def test_the_limits_on_requests_are_the_gates_own_where_it_has_some(cockpit):
+    own = RequestConfig(turn_s=7.0)
+    for gate, limits in ((AlwaysPolicy(), FOR_PEOPLE), (PatientGate(AlwaysPolicy(), own), own)):
+        made = OperatedDriver(Limited(gate), cockpit).crew(CORRIDOR, Corridor()).gate
+        assert isinstance(made, PersonGate)
+        patient = made.gate.gate
+        assert isinstance(patient, PatientGate)
+        assert patient.config == limits
+        assert patient.session
+        assert isinstance(patient.gate, AlwaysPolicy)
+
+
+def test_with_a_person_there_nobody_is_simulated_beside(cockpit):
+    driver = OperatedDriver(Limited(HumanGate(watching(OperatorConfig()))), cockpit)
+    gate = driver.crew(CORRIDOR, Corridor()).gate
+    gate.reset(np.random.default_rng(0))
+    # The expert would do otherwise, and he would say so.
+    seen = [Observation({}, np.full(1, 2.0, np.float32), step / 10) for step in range(60)]
+    proposed = Proposal(np.zeros((1, 1), np.float32))
+    assert {gate.decide(each, proposed).actor for each in seen} == {Actor.POLICY}
 
 
 def test_a_task_without_teleop_and_an_unknown_fallback_are_refused(cockpit):

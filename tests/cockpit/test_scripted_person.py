@@ -89,6 +89,8 @@ def operated_episode(
                 can_hold=can_hold,
                 dead_man=by_hand.dead_man,
                 fallback_teaches=False,
+                # It looks after each step, so there must be one while the robot waits for it.
+                stands_still=False,
             ),
             rng=np.random.default_rng(0),
             policy=Absent(rest),

@@ -10,15 +10,26 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates import (
     AlwaysExpert,
     AlwaysPolicy,
+    AttentivePerson,
     HumanGate,
     Mixture,
     QueryFilter,
     RandomTakeover,
-    ScriptedPerson,
     SupportGate,
 )
 from sheath_manip.protocols import Gate
-from sheath_manip.types import Action, Actor, GateDecision, Judgement, Observation, Proposal, Reason
+from sheath_manip.rollout.simulated_operator import OperatorConfig, SimulatedOperator
+from sheath_manip.types import (
+    Action,
+    ActionSpec,
+    Actor,
+    GateDecision,
+    Judgement,
+    Observation,
+    Proposal,
+    Reason,
+    TaskSpec,
+)
 from tests.judging import ByObservation, always
 
 PROPOSED = Proposal(np.zeros((1, 1), dtype=np.float32))
@@ -46,6 +57,25 @@ class Doubter:
         return observation.features[:1]
 
 
+RATE_HZ = 10.0
+SPEC = TaskSpec(
+    name="doubts",
+    control_rate_hz=RATE_HZ,
+    action=ActionSpec(
+        ("side_m",), np.full(1, -2.0, np.float32), np.full(1, 2.0, np.float32), tolerance=0.25
+    ),
+    cameras={},
+    feature_names=("side_m",),
+    max_steps=100,
+    metric="side_m",
+)
+
+
+def watching(config: OperatorConfig) -> AttentivePerson:
+    """A person who passes differences of up to 1 m, and judges by each step alone."""
+    return AttentivePerson(Doubter(), SPEC, SimulatedOperator(config), while_s=0.0)
+
+
 GATES: dict[str, Callable[[], Gate]] = {
     "always-expert": AlwaysExpert,
     "always-policy": AlwaysPolicy,
@@ -54,13 +84,13 @@ GATES: dict[str, Callable[[], Gate]] = {
     "takeover": lambda: RandomTakeover(0.3),
     "takeover, own labels": lambda: RandomTakeover(0.3, query=False),
     "query filter": lambda: QueryFilter(FIRST_FEATURE, 0.0),
-    "human": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0)),
-    "human, who drives on": lambda: HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=3)),
+    "human": lambda: HumanGate(watching(OperatorConfig(0.3))),
+    "human, who overlooks much": lambda: HumanGate(watching(OperatorConfig(overlooked=0.7))),
     "person, who never comes": lambda: PersonGate(
         SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=0.0
     ),
     "person, who is waited for": lambda: PersonGate(
-        SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=float("inf")
+        SupportGate(FIRST_FEATURE, 0.0), Cockpit(), 20.0, wait_s=float("inf"), stands_still=False
     ),
     "support": lambda: SupportGate(FIRST_FEATURE, 0.0),
     "support, held": lambda: SupportGate(FIRST_FEATURE, 0.0, False, 0.5, 2, 4),
@@ -171,17 +201,6 @@ def test_the_query_filter_never_takes_over_and_asks_where_sheath_would(seed):
     sheath = run(SupportGate(FIRST_FEATURE, 0.2), scores=scores.tolist())
     assert [d.query for d in decisions] == [d.actor is Actor.EXPERT for d in sheath]
     assert [d.reason for d in decisions] == [d.reason for d in sheath]
-
-
-def test_the_person_drives_where_it_would_do_otherwise_and_a_while_on():
-    scores = [0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0]
-    assert actors(HumanGate(ScriptedPerson(Doubter(), 1.0)), scores) == "pepppeeppp"
-    gate = HumanGate(ScriptedPerson(Doubter(), 1.0, hold_steps=2))
-    assert actors(gate, scores) == "peeepeeeep"
-    assert {d.reason for d in run(gate, scores=scores)} == {Reason.PERSON}
-    assert all(d.query is (d.actor is Actor.EXPERT) for d in run(gate, scores=scores))
-    with pytest.raises(ParameterError, match="tolerance"):
-        ScriptedPerson(Doubter(), -1.0)
 
 
 def test_no_score_means_the_expert():

@@ -85,6 +85,55 @@ def test_requests_of_one_episode_do_not_count_in_the_next() -> None:
         assert [each.actor is Actor.EXPERT for each in acted] == [False, True, True]
 
 
+def step_by_step(gate: PatientGate, scores: list[float], first: int = 0) -> list:
+    """Decide one step each, from step `first` of an episode on."""
+    return [
+        gate.decide(
+            Observation({}, np.array([score], np.float32), (first + step) / RATE_HZ), PROPOSED
+        )
+        for step, score in enumerate(scores)
+    ]
+
+
+def by_score(**limits) -> SupportGate:
+    return SupportGate(ByObservation(lambda seen: float(seen.features[0])), 0.0, **limits)
+
+
+def test_in_a_session_a_minute_does_not_end_with_the_episode():
+    gate = PatientGate(by_score(), RequestConfig(a_minute=2), session=True)
+    actors = []
+    for _ in range(3):
+        gate.reset(np.random.default_rng(0))
+        actors.append([each.actor for each in step_by_step(gate, [1.0, -1.0, 1.0, 1.0])])
+    policy, expert = Actor.POLICY, Actor.EXPERT
+    assert actors[0] == [policy, expert, policy, policy]
+    # The second request is the last of the minute: its turn goes on, in the next episode as well.
+    assert actors[1:] == [[policy, expert, expert, expert], [expert] * 4]
+
+
+def test_who_hands_back_early_is_left_alone_until_the_next_alarm():
+    gate = PatientGate(by_score(minimum_hold_steps=9), RequestConfig(turn_s=9.0, an_episode=2))
+    gate.reset(np.random.default_rng(0))
+    first = step_by_step(gate, [-1.0, 1.0])
+    assert [each.reason for each in first] == [Reason.OUTSIDE, Reason.HOLD]
+    gate.release()
+    calm, alarm = step_by_step(gate, [1.0, -1.0], first=2)
+    assert (calm.actor, calm.query, calm.reason) == (Actor.POLICY, False, Reason.PERSON)
+    assert (alarm.actor, alarm.reason) == (Actor.EXPERT, Reason.OUTSIDE)
+
+
+def test_an_alarm_beyond_the_last_request_is_never_left_to_the_policy():
+    gate = PatientGate(by_score(), RequestConfig(an_episode=1))
+    gate.reset(np.random.default_rng(0))
+    step_by_step(gate, [-1.0])
+    gate.release()
+    calm, alarm, after = step_by_step(gate, [1.0, -1.0, 1.0], first=1)
+    assert calm.actor is Actor.POLICY
+    # Nobody is to be asked, and somebody has to act.
+    assert (alarm.actor, alarm.reason) == (Actor.EXPERT, Reason.SPARED)
+    assert after.actor is Actor.POLICY
+
+
 def test_a_config_keeps_them_and_old_ones_have_none() -> None:
     config = GateConfig(requests=RequestConfig(turn_s=2.0, a_minute=4))
     assert GateConfig.from_described(config.described()) == config

@@ -35,18 +35,49 @@ def test_the_expert_is_never_stuck_by_its_own_measure():
         assert {each.actor for each in decided(progress, episode)} == {Actor.POLICY}
 
 
-@pytest.mark.parametrize("sway", [0.0, 0.1])
-def test_a_robot_that_stays_is_noticed_once_the_while_is_over(sway):
-    progress = Progress.of([walked(0.1), walked(0.1, pause=5)], STEPS)
-    stays = walked(0.1)
-    stays[30:, 0] = stays[30, 0] + sway * np.sin(np.arange(50))
-    decisions = decided(progress, stays)
-    first = next(step for step, each in enumerate(decisions) if each.actor is Actor.EXPERT)
+def noticed(progress: Progress, features: np.ndarray) -> int | None:
+    """The first step in which the expert takes over."""
+    decisions = decided(progress, features)
+    return next((step for step, each in enumerate(decisions) if each.actor is Actor.EXPERT), None)
+
+
+def path(ways: list[tuple[float, float]]) -> np.ndarray:
+    """(n, 2) places along single steps."""
+    return np.cumsum(np.array(ways), axis=0).astype(np.float32)
+
+
+CIRCLE = [(0.1 * np.cos(at), 0.1 * np.sin(at)) for at in np.arange(80) * 2 * np.pi / 9]
+"""nine steps a round"""
+WAYS = {
+    "stands still": [(0.0, 0.0)] * 80,
+    "two actions in turns": [(0.1, 0.0), (-0.1, 0.0)] * 40,
+    "to and fro": [*[(0.1, 0.0)] * 4, *[(-0.1, 0.0)] * 4] * 10,
+    "in a circle": CIRCLE,
+    "shivers": [(0.02 * np.sin(2.0 * at), 0.02 * np.cos(3.0 * at)) for at in range(80)],
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_who_gets_nowhere_is_noticed_within_the_while(way):
+    walks = [path([(0.1, 0.02 * np.sin(at / 9)) for at in range(80)]) for _ in range(2)]
+    progress = Progress.of(walks, STEPS)
+    stays = np.concatenate([walks[0][:30], walks[0][30] + path(WAYS[way])])
+    first = noticed(progress, stays)
+    assert first is not None
     assert 30 < first <= 30 + STEPS
+    decisions = decided(progress, stays)
     assert decisions[first].reason is Reason.STUCK
     assert decisions[first].query
-    # The expert drives until something has moved: here nothing ever does.
+    # The expert drives until the robot gets on: here it never does.
     assert all(each.actor is Actor.EXPERT for each in decisions[30 + STEPS :])
+
+
+def test_who_is_slow_or_turns_back_once_gets_on():
+    progress = Progress.of([walked(0.1)], STEPS)
+    assert noticed(progress, walked(0.06)) is None
+    there_and_back = np.concatenate([walked(0.1)[:40], walked(0.1)[40:0:-1]])
+    # Half of the way back is a way that it has come; it is noticed for that, and only then.
+    assert noticed(progress, there_and_back[:45]) is None
 
 
 def test_the_expert_hands_back_once_it_has_moved():
@@ -67,7 +98,11 @@ def test_what_was_learned_comes_back_and_something_else_is_refused():
     progress = Progress.of([walked(0.1, 3)], STEPS)
     again = Progress.load(progress.arrays())
     assert (again.steps, again.least) == (progress.steps, progress.least)
-    assert again.motion(walked(0.02)) == progress.motion(walked(0.02))
+    np.testing.assert_array_equal(again.spread, progress.spread)
+    older = {name: each for name, each in progress.arrays().items() if name != "least_got_on"}
+    with pytest.raises(ParameterError, match="least_got_on"):
+        # It measured something else.
+        Progress.load({**older, "least": np.array(0.3)})
     with pytest.raises(ParameterError, match="spread"):
         Progress.load({**progress.arrays(), "spread": np.zeros((2, 2))})
 

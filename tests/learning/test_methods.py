@@ -78,7 +78,7 @@ def test_all_methods_meet_the_same_scenes(whole):
 def unattended(driver: Driver) -> Driver:
     """Nobody watches, so nobody takes over."""
     assert isinstance(driver, GatedPolicy)
-    return replace(driver, attended=False)
+    return replace(driver, watched_by=None)
 
 
 def test_rounds_in_which_nobody_labels_leave_the_policy_as_it_was(tmp_path):

@@ -135,7 +135,7 @@ def test_all_gates_of_a_checkpoint_decide_as_the_one_that_it_was_trained_with(
             for other in others:
                 assert decided(other, CORRIDOR, corridor, episode) == wanted
             # On the page a real person takes over, and nobody stands in for it.
-            alone = replace(driver, attended=False)
+            alone = replace(driver, watched_by=None)
             assert decided(page, CORRIDOR, corridor, episode) == decided(
                 alone, CORRIDOR, corridor, episode
             )

@@ -15,6 +15,7 @@ ALIKE = {
     "env": ("expert", "toppled"),
     "gate": ("agreement", "same sign", "memory"),
     "gauze": ("expert", "MuJoCo", "error"),
+    "person": ("platformer: median",),
     "platformer": ("expert",),
     "scale": (),
 }

@@ -46,7 +46,8 @@ function noticeWords(state, link, key) {
   if (state.others) return [`Another page drives; you watch. Space stops the robot.${more}`, GREY];
   if (state.mine && state.turn !== "operator")
     return [`You have taken over; the robot holds until you move it. ${back} hands back.${more}${device}`, GREEN];
-  if (state.mine) return [`You drive. ${back} hands back, Space stops.${more}${device}`, GREEN];
+  const ready = state.may_go_on ? "The gate would let the policy go on: " : "";
+  if (state.mine) return [`You drive. ${ready}${back} hands back, Space stops.${more}${device}`, GREEN];
   if (state.paused) return [`PAUSED. ${pause} resumes, . does one step.${old}`, GREY];
   return [state.too_old ? old.trim() : "", AMBER];
 }

@@ -26,6 +26,8 @@ def _gate_map(*arguments: Any) -> None:
     gate_map(*arguments)
 
 
+# 4 s: a car cannot stand, but drive round and round, and is noticed within 5.
+_GATE = GateConfig(stuck_steps=40)
 # For how the support's size changes learning (the draft's section IV-B): the support alone, at its
 # own boundary.
 _NU = LearningPlan(
@@ -39,7 +41,7 @@ _NU = LearningPlan(
 STUDY = Study(
     task=DRIVING,
     plans={
-        "full": LearningPlan(),
+        "full": LearningPlan(gate=_GATE),
         # As in the draft: three laps, one convolution layer, the support on its last hidden layer.
         "paper": LearningPlan(
             policy=PolicyConfig("paper-cnn"),
@@ -62,6 +64,7 @@ STUDY = Study(
         # Painting doubles a cold fit, and a first look can do without.
         "quick": LearningPlan(
             policy=PolicyConfig("plain-cnn"),
+            gate=_GATE,
             schedule=Schedule(
                 demonstrations=6, calibration=4, false_alarm_episodes=3, rounds=2, episodes=4
             ),

@@ -18,6 +18,8 @@ _FULL = LearningPlan(
         precedent_embedding="tool-points",
         threshold=ThresholdConfig(false_alarm_rate=0.1),
         minimum_hold_steps=5,
+        # 4 s, so that what is stuck is noticed within 5.
+        stuck_steps=80,
     ),
     schedule=Schedule(
         # Few and clean: a policy cloned from them ruins most sheets. Where the expert's hand is

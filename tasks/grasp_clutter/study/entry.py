@@ -17,6 +17,8 @@ _FULL = LearningPlan(
         precedent_embedding="wrist-convolutions",
         threshold=ThresholdConfig(false_alarm_rate=0.1),
         minimum_hold_steps=5,
+        # 4 s, so that what is stuck is noticed within 5.
+        stuck_steps=80,
     ),
     schedule=Schedule(
         demonstrations=60,

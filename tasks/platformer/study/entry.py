@@ -39,6 +39,8 @@ _LINEAR = LearningPlan(
         embedding="weighted-features",
         precedent_embedding="weighted-features",
         threshold=ThresholdConfig(false_alarm_rate=0.19),
+        # 4 s, so that what is stuck is noticed within 5.
+        stuck_steps=96,
     ),
 )
 # As in the draft: a stage for each run, a demonstration more than one so that C can be chosen by
@@ -81,6 +83,7 @@ _NU = _FULL.changed(
         "embedding": "features",
         "support": {"bandwidth_factor": 0.1, "bandwidth_unit": "dimensions"},
         "threshold": {"rule": "boundary"},
+        "stuck_steps": 0,
     },
     schedule={"rounds": 6},
     comparison={"methods": ("sheath",), "seeds": (0, 1, 2), "final_episodes": 1},
