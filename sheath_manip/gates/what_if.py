@@ -34,6 +34,8 @@ class ScoredEpisode:
     """(T,) NaN where there is none"""
     failed: bool
     """whether the task ended it as failed: with its last step"""
+    ended: bool = True
+    """False: it still runs, and is neither a failure nor none"""
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,11 @@ def preview(
     alarms = [~(scores >= rule.threshold) for scores in held_out]
     expert = np.concatenate([np.zeros(0, bool), *alarms])
     failed = [bool(each[:-1].any()) for each, of in zip(turns, episodes, strict=True) if of.failed]
-    others = [bool(each.any()) for each, of in zip(turns, episodes, strict=True) if not of.failed]
+    others = [
+        bool(each.any())
+        for each, of in zip(turns, episodes, strict=True)
+        if of.ended and not of.failed
+    ]
     return Preview(
         steps=steps,
         expert_share=sum(int(each.sum()) for each in turns) / steps if steps else np.nan,

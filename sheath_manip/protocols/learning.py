@@ -197,7 +197,7 @@ class HasParts(Protocol):
 class HasPrecedents(Protocol):
     """A signal, fitted, that compares a state with the single states that it was fitted to."""
 
-    def precedents(self, seen: Seen, count: int) -> Precedents | None:
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state, whatever was done there.
 
         None where nothing can be compared, such as for a state that is not finite.

@@ -159,11 +159,11 @@ class JoinedSignal:
             if not isnan(score)
         )
 
-    def precedents(self, seen: Seen, count: int) -> Precedents | None:
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return what the first of the signals that knows precedents says."""
         known = (each for each in self.signals.values() if isinstance(each, HasPrecedents))
         signal = next(known, None)
-        return None if signal is None else signal.precedents(seen, count)
+        return None if signal is None else signal.nearest_states(seen, count)
 
     def blames(self, measures: NDArray) -> Reason:
         """Return the reason of the signal that finds the state rarest, however much it counts."""

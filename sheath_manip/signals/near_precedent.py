@@ -81,7 +81,7 @@ class NearPrecedentSignal(SingleMeasure):
         ]
         return -np.concatenate([np.empty(0), *parts])
 
-    def precedents(self, seen: Seen, count: int) -> Precedents | None:
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state; actions as the policy sees them."""
         size = len(self.action_units_)
         proposed = self._framed(seen.actions, seen.features)[0]

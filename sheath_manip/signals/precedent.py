@@ -43,7 +43,7 @@ class PrecedentSignal(SingleMeasure):
         parts = [_score(compared) for compared in self.states.compared(seen)]
         return np.concatenate([np.empty(0), *parts])
 
-    def precedents(self, seen: Seen, count: int) -> Precedents | None:
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state."""
         return self.states.nearest(seen, count)
 

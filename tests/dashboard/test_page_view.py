@@ -15,7 +15,8 @@ from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
-from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
+from sheath_manip.dashboard.widgets.nu import NuSlider
+from sheath_manip.dashboard.widgets.what_if import WhatIf
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial
@@ -173,7 +174,7 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
         return Boundary(always(-2.0), threshold=-0.5, lowest=-3.0, highest=3.0)
 
     gate = (
-        partial(ThresholdSlider, dial=dial),
+        partial(WhatIf, dial=dial),
         partial(NuSlider, dial=dial, refit=refit, nu=0.1),
     )
     info = EpisodeInfo(SPEC.name, 1, Purpose.LEARNING, SPEC.control_rate_hz, method="sheath")
