@@ -15,6 +15,8 @@ from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.scored import MOST_SCORED, scored
+from sheath_manip.dashboard.seek_socket import SeekSocket
+from sheath_manip.dashboard.seeking import RunSeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import Snapshot, snapshot_of
 from sheath_manip.dashboard.tally import Share, Tally
@@ -61,14 +63,16 @@ class Dashboard(Closes):
         self.saved_in = ""
         """where the run is recorded, for the page to say at its end"""
         label = f"sheath · {spec.name}"
+        seeking = SeekSocket()
         self._server = GuardedServer.open(
-            host, port, token, label, self.cockpit, lambda: self._drawer.true_s
+            host, port, token, label, self.cockpit, lambda: self._drawer.true_s, seeking
         )
         # Else the loop waits up to 5 ms for its turn where a drawing is under way.
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
+        seeking.target = RunSeeking(self._playhead)
         context = WidgetContext(self._server.viser, spec, self._drawer.wake, self._allows)
         self._explainer = explainer or Explainer(spec)
         self._explainer.question = self._question

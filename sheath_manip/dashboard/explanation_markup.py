@@ -16,6 +16,7 @@ from sheath_manip.types import Action, ActionSpec, Actor
 
 POLICY, EXPERT = palette.css(palette.ACTOR[Actor.POLICY]), palette.css(palette.ACTOR[Actor.EXPERT])
 ALARM = palette.css(palette.ACTOR[Actor.EXPERT])
+_FIGURE = "margin:0;flex:1;min-width:0;max-width:25%"
 WIDTH, ROW, LEFT, MARGIN = 320, 18, 92, 8
 """of the chart of actions, in its own units"""
 
@@ -89,7 +90,7 @@ def _figure(image: NDArray[np.uint8] | None, caption: str, colour: str) -> str:
             'style="width:100%;image-rendering:pixelated;display:block">'
         )
     return (
-        f'<figure style="margin:0;flex:1;min-width:0;max-width:25%;border-top:4px solid {colour}">{picture}'
+        f'<figure style="{_FIGURE};border-top:4px solid {colour}">{picture}'
         f'<figcaption style="font-size:.9em;overflow-wrap:anywhere">{caption}</figcaption></figure>'
     )
 

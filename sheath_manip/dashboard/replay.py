@@ -13,6 +13,8 @@ from sheath_manip.dashboard.layout import recorded
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.scored import MOST_SCORED
+from sheath_manip.dashboard.seek_socket import SeekSocket
+from sheath_manip.dashboard.seeking import ReplaySeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import snapshot_of
 from sheath_manip.dashboard.tally import Share
@@ -66,9 +68,12 @@ class Replay(Closes):
         cockpit = Cockpit()
         # No run is to be paused: what plays is the player's.
         cockpit.close()
-        self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", cockpit)
+        seeking = SeekSocket(has_keys=True)
+        label = f"sheath · {spec.name}"
+        self._server = GuardedServer.open(host, port, token, label, cockpit, seeking=seeking)
         self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
         self.player = Player(film_at, self._drawer.wake, speed, again)
+        seeking.target = ReplaySeeking(self.player, catalog)
         context = WidgetContext(self._server.viser, spec, self._drawer.wake)
         self._explainer = explainer or Explainer(spec)
         layout = recorded(spec, catalog, self.player, exporting, self._explainer, fitted)
