@@ -217,14 +217,25 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
         run.result()
 
 
-def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
+def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
+    task, adjusting = subject.task, subject.adjusting
+    explainer = None if adjusting is None else adjusting.explainer
+    fitted = None if subject.checkpoint is None else subject.checkpoint.fitted
     catalog = EpisodeCatalog(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()
 
     def play() -> None:
         maker, last = FilmMaker(task, None, catalog.read, catalog.summary), len(catalog) - 1
-        with Replay(maker.spec(last), catalog, maker.film, maker.exported, port=0) as replay:
+        with Replay(
+            maker.spec(last),
+            catalog,
+            maker.film,
+            maker.exported,
+            port=0,
+            explainer=explainer,
+            fitted=fitted,
+        ) as replay:
             shown.set_result(replay)
             replay.run(last)
         maker.close()
@@ -263,7 +274,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             chromium_page() as page,
         ):
             subject = live(page, TASKS[name], options, Path(folder))
-            recorded(page, TASKS[name], options, Path(folder))
+            recorded(page, subject, options, Path(folder))
             operated(page, subject, options)
     return 0
 

@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from sheath_manip.dashboard.explaining import Example, Explanation, Moment, did,
 from sheath_manip.dashboard.ghost import Ghost, Simulation, ghosts, state_after
 from sheath_manip.dashboard.reference import GateReference
 from sheath_manip.dashboard.snapshot import Snapshot
-from sheath_manip.protocols import Environment
-from sheath_manip.types import Action, EpisodeInfo, Step, TaskSpec
+from sheath_manip.exceptions import CheckpointError
+from sheath_manip.protocols import Environment, Holds
+from sheath_manip.types import Action, Actor, EpisodeInfo, Step, TaskSpec
 
 EXAMPLES = 3
 MakeEnvironment = Callable[[EpisodeInfo], Environment]
@@ -23,7 +24,7 @@ MakeEnvironment = Callable[[EpisodeInfo], Environment]
 class Wish:
     """What is to be explained."""
 
-    key: tuple[object, int]
+    key: tuple[object, ...]
     """the same for the same moment"""
     info: EpisodeInfo
     moment: Moment
@@ -36,7 +37,7 @@ class Wish:
 class Explained:
     """One moment, explained; what takes longer is added to it once it is there."""
 
-    key: tuple[object, int]
+    key: tuple[object, ...]
     explanation: Explanation
     ghosts: tuple[Ghost, ...] = ()
     """of what is proposed, then of what the expert would do, where that is known"""
@@ -44,15 +45,12 @@ class Explained:
 
 @dataclass
 class _Workshop:
-    """What the worker has made for itself."""
+    """What one worker has made for itself: an environment belongs to the thread that made it."""
 
-    reference: GateReference | None = None
-    failure: str = ""
     environment: Any = None
     scene: tuple[str, int] | None = None
     seed: int | None = None
-    gone: bool = False
-    lock: threading.Lock = field(default_factory=threading.Lock)
+    closing: bool = False
 
 
 class Explainer:
@@ -79,10 +77,11 @@ class Explainer:
         """what a run stands still before, if it does"""
         self.latest: Explained | None = None
         self._wanted: Wish | None = None
-        self._key: tuple[object, int] | None = None
+        self._key: tuple[object, ...] | None = None
         self._news = threading.Condition()
-        self._workshop = _Workshop()
-        self._thread: threading.Thread | None = None
+        self._reference: GateReference | None = None
+        self._failure = ""
+        self._workshop: _Workshop | None = None
 
     @property
     def compares(self) -> bool:
@@ -99,27 +98,29 @@ class Explainer:
             key = None if wish is None else wish.key
             if key != self._key:
                 self._key, self._wanted = key, wish
-                if wish is not None and self._thread is None:
-                    self._thread = threading.Thread(
-                        target=self._work, name="explainer", daemon=True
-                    )
-                    self._thread.start()
+                if wish is not None and self._workshop is None:
+                    self._workshop = _Workshop()
+                    threading.Thread(
+                        target=self._work, args=(self._workshop,), name="explainer", daemon=True
+                    ).start()
                 self._news.notify()
             latest = self.latest
         return latest if latest is not None and latest.key == key else None
 
     def close(self) -> None:
-        """End after what is under way."""
+        """End the worker after what is under way; another wish begins another one."""
         with self._news:
-            self._workshop.gone = True
-            self._news.notify()
+            if self._workshop is not None:
+                self._workshop.closing = True
+            self._workshop = self._wanted = self._key = None
+            self._news.notify_all()
 
-    def _work(self) -> None:
+    def _work(self, workshop: _Workshop) -> None:
         while True:
             with self._news:
-                while self._wanted is None and not self._workshop.gone:
+                while self._wanted is None and not workshop.closing:
                     self._news.wait()
-                if self._workshop.gone:
+                if workshop.closing:
                     break
                 wish, self._wanted = self._wanted, None
             assert wish is not None
@@ -127,9 +128,9 @@ class Explainer:
             self._show(found)
             # A ghost takes some steps of a simulation: what is known already is shown before.
             if wish.before is not None and self._wanted is None:
-                self._show(replace(found, ghosts=self._ghosts(wish)))
-        if self._workshop.environment is not None:
-            self._workshop.environment.close()
+                self._show(replace(found, ghosts=self._ghosts(wish, workshop)))
+        if workshop.environment is not None:
+            workshop.environment.close()
 
     def _show(self, found: Explained) -> None:
         self.latest = found
@@ -157,25 +158,26 @@ class Explainer:
         return Explanation(sentence, rang, moment, precedents, examples, lacks)
 
     def _referred(self) -> GateReference | None:
-        workshop = self._workshop
-        if workshop.reference is None and self._load is not None:
-            if workshop.failure:
-                raise RuntimeError(workshop.failure)
+        if self._reference is None and self._load is not None:
+            if self._failure:
+                raise CheckpointError(self._failure)
             try:
-                workshop.reference = self._load()
+                self._reference = self._load()
             except Exception as error:
-                workshop.failure = str(error)
+                # Not read again at every moment.
+                self._failure = str(error)
                 raise
-        return workshop.reference
+        return self._reference
 
-    def _ghosts(self, wish: Wish) -> tuple[Ghost, ...]:
+    def _ghosts(self, wish: Wish, workshop: _Workshop) -> tuple[Ghost, ...]:
         moment, make = wish.moment, self._make
         if make is None or wish.before is None or moment.proposed is None:
             return ()
         actions = [each for each in (moment.proposed, moment.labelled) if each is not None]
         try:
-            simulation = self._simulation(wish.info, make)
-            if not isinstance(simulation, Simulation):
+            simulation = _simulation(workshop, wish.info, make)
+            # What brings a robot to rest by itself may have one behind it, which nobody may move.
+            if not isinstance(simulation, Simulation) or isinstance(simulation, Holds):
                 return ()
             state, executed = wish.before
             if executed is not None:
@@ -184,17 +186,6 @@ class Explainer:
         except Exception:
             # An action that the simulation refuses has no ghost; the rest is still explained.
             return ()
-
-    def _simulation(self, info: EpisodeInfo, make: MakeEnvironment) -> Any:
-        workshop, scene = self._workshop, (info.variant, info.run_seed)
-        if workshop.environment is None or workshop.scene != scene:
-            if workshop.environment is not None:
-                workshop.environment.close()
-            workshop.environment, workshop.scene, workshop.seed = make(info), scene, None
-        if workshop.seed != info.seed:
-            workshop.environment.reset(info.seed)
-            workshop.seed = info.seed
-        return workshop.environment
 
 
 def wish_of(snapshot: Snapshot, question: Question | None) -> Wish | None:
@@ -207,14 +198,17 @@ def wish_of(snapshot: Snapshot, question: Question | None) -> Wish | None:
         moment = Moment(question.observation, question.proposed, None, question.decision)
         last = snapshot.step
         before = None if last is None or not last.state.size else (last.state, last.requested)
-        return Wish((question, 0), snapshot.info, moment, before)
+        return Wish((question,), snapshot.info, moment, before)
     at = _step_in_question(snapshot)
-    if at is None:
+    if at is None or snapshot.step is None:
         return None
     step = snapshot.steps[at]
-    before = (step.state, None) if step.state.size else None
+    # A simulation beside a control loop that is at work would hold it up.
+    stands = snapshot.paused or not snapshot.present or snapshot.step.decision.actor is Actor.HOLD
+    before = (step.state, None) if step.state.size and stands else None
     # By the film and not by its info: a scene that is run again is another episode.
-    return Wish((id(snapshot.steps), at), snapshot.info, _moment(step), before)
+    key = (id(snapshot.steps), at, before is not None)
+    return Wish(key, snapshot.info, _moment(step), before)
 
 
 def _step_in_question(snapshot: Snapshot) -> int | None:
@@ -229,7 +223,8 @@ def _step_in_question(snapshot: Snapshot) -> int | None:
 
 
 def _is_judged(step: Step) -> bool:
-    return step.proposed is not None or bool(step.decision.signals)
+    decision = step.decision
+    return step.proposed is not None or bool(decision.signals) or bool(decision.broken)
 
 
 def _moment(step: Step) -> Moment:
@@ -245,3 +240,16 @@ def _examples(reference: GateReference, precedents: Any, spec: TaskSpec) -> tupl
         )
         for place in range(min(EXAMPLES, len(precedents.labels)))
     )
+
+
+def _simulation(workshop: _Workshop, info: EpisodeInfo, make: MakeEnvironment) -> Environment:
+    """An environment in the scene of an episode, made anew only for another one."""
+    scene = info.variant, info.run_seed
+    if workshop.environment is None or workshop.scene != scene:
+        if workshop.environment is not None:
+            workshop.environment.close()
+        workshop.environment, workshop.scene, workshop.seed = make(info), scene, None
+    if workshop.seed != info.seed:
+        workshop.environment.reset(info.seed)
+        workshop.seed = info.seed
+    return workshop.environment

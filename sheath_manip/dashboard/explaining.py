@@ -90,6 +90,9 @@ def explained(
     """
     decision = moment.decision
     below = not decision.score >= decision.threshold
+    if decision.broken and not decision.signals:
+        what = ", ".join(f"{each.who}: {each.what}" for each in decision.broken)
+        return f"There is no proposal to judge, since something broke down ({what}).", ""
     if not decision.signals or decision.reason in (Reason.STUCK, Reason.INVALID_PROPOSAL):
         outside = "The score is below the threshold." if below else "The gate lets the policy act."
         return _WITHOUT_SCORE.get(decision.reason, outside), ""
