@@ -1,6 +1,7 @@
 """What a gate knows once it is fitted: enough to judge a proposal, and to be saved."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isnan
 
 import numpy as np
@@ -68,17 +69,20 @@ class FittedGate:
         score = float(signal.scores(measures)[0])
         # What is to blame takes as long as the score, and is of no interest above the threshold.
         blames = Reason.OUTSIDE if score >= threshold else signal.blames(measures[0])
-        return Judgement(score, blames, self._signal_scores(signal, measures[0], score))
+        return Judgement(score, blames, self._signal_scores(measures[0], score))
 
-    def _signal_scores(
-        self, signal: Signal, measures: NDArray, score: float
-    ) -> tuple[SignalScore, ...]:
+    def _signal_scores(self, measures: NDArray, score: float) -> tuple[SignalScore, ...]:
         """What the score is made of: no more than the numbers that were there already."""
-        if isinstance(signal, HasParts):
-            return signal.signal_scores(measures)
+        if self._parts is not None:
+            return self._parts.signal_scores(measures)
         if isnan(score):
             return ()
         return (SignalScore(self.config.signal, score, self.held_out.share(score)),)
+
+    @cached_property
+    def _parts(self) -> HasParts | None:
+        """The signal where it has parts: to ask a protocol takes longer than the scores do."""
+        return self.signal if isinstance(self.signal, HasParts) else None
 
     def scores_of(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) the scores of states as the policy saw them."""
