@@ -177,6 +177,9 @@ class Dashboard(Closes):
         self._drawer.wake()
 
     def _latest(self) -> Snapshot | None:
+        if self.cockpit.lease.holder is not None:
+            # Nobody drives by the past, whoever wants to look back meanwhile.
+            self._playhead.release()
         shown = self._playhead.shown
         if shown is None:
             return None
