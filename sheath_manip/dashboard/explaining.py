@@ -9,6 +9,7 @@ from sheath_manip.dashboard.action_words import quantity, same, wish
 from sheath_manip.types import (
     Action,
     ActionSpec,
+    Actor,
     GateDecision,
     Observation,
     Reason,
@@ -47,6 +48,11 @@ class Moment:
     labelled: Action | None
     """what the expert would do, where that is known"""
     decision: GateDecision
+
+    @property
+    def other(self) -> Actor:
+        """Who `labelled` is of: the expert, or the person in its place."""
+        return Actor.OPERATOR if self.decision.actor is Actor.OPERATOR else Actor.EXPERT
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +106,10 @@ def explained(
         decision.signals, key=lambda each: (np.nan_to_num(each.share, nan=1.0), each.score)
     )
     if not below:
-        lets = _WITHOUT_SCORE.get(decision.reason, "The gate lets the policy act.")
-        return f"{lets} Rarest is the {rarest.signal}: {_rarity(rarest, held_out_steps)}.", ""
+        if decision.reason in _WITHOUT_SCORE:
+            return _WITHOUT_SCORE[decision.reason], ""
+        rarity = _rarity(rarest, held_out_steps)
+        return f"The gate lets the policy act. Rarest is the {rarest.signal}: {rarity}.", ""
     blamed = _blamed(rarest, moment, spec, precedents, held_out_steps)
     if rarest.share > MILD and len(decision.signals) > 1:
         return f"Several mild suspicions add up. {blamed}", rarest.signal

@@ -15,7 +15,7 @@ from sheath_manip.playback import palette
 from sheath_manip.types import Action, ActionSpec, Actor
 
 POLICY, EXPERT = palette.css(palette.ACTOR[Actor.POLICY]), palette.css(palette.ACTOR[Actor.EXPERT])
-ALARM = palette.css(palette.ACTOR[Actor.EXPERT])
+ALARM = EXPERT
 _FIGURE = "margin:0;flex:1;min-width:0;max-width:25%"
 WIDTH, ROW, LEFT, MARGIN = 320, 18, 92, 8
 """of the chart of actions, in its own units"""
@@ -74,9 +74,10 @@ def actions(explanation: Explanation, spec: ActionSpec) -> str:
     drawn = _choices if spec.choices is not None else _numbers
     count = 0 if labels is None else len(labels)
     among = f", grey the {count} expert steps in the states most like it" * bool(count)
-    expert = f', <b style="color:{EXPERT}">◆ expert</b>' * (labelled is not None)
+    other = palette.css(palette.ACTOR[moment.other])
+    expert = f', <b style="color:{other}">◆ {moment.other.value}</b>' * (labelled is not None)
     legend = f'<b style="color:{POLICY}">● policy</b>{expert}{among}'
-    return f'<div style="{TEXT}">{drawn(spec, labels, proposed, labelled)}{legend}</div>'
+    return f'<div style="{TEXT}">{drawn(spec, labels, proposed, labelled, other)}{legend}</div>'
 
 
 def _figure(image: NDArray[np.uint8] | None, caption: str, colour: str) -> str:
@@ -106,7 +107,11 @@ def _bar(share: float, alarms: bool) -> str:
 
 
 def _choices(
-    spec: ActionSpec, labels: NDArray | None, proposed: Action | None, labelled: Action | None
+    spec: ActionSpec,
+    labels: NDArray | None,
+    proposed: Action | None,
+    labelled: Action | None,
+    other: str,
 ) -> str:
     assert spec.choices is not None
     rows = []
@@ -114,7 +119,7 @@ def _choices(
         share = 0.0 if labels is None else float(same(spec, labels, choice).mean())
         wanted = [
             (proposed, f'<b style="color:{POLICY}">●</b>'),
-            (labelled, f'<b style="color:{EXPERT}">◆</b>'),
+            (labelled, f'<b style="color:{other}">◆</b>'),
         ]
         marks = "".join(
             mark for each, mark in wanted if each is not None and same(spec, choice[None], each)[0]
@@ -128,7 +133,11 @@ def _choices(
 
 
 def _numbers(
-    spec: ActionSpec, labels: NDArray | None, proposed: Action | None, labelled: Action | None
+    spec: ActionSpec,
+    labels: NDArray | None,
+    proposed: Action | None,
+    labelled: Action | None,
+    other: str,
 ) -> str:
     def across(at: int, value: float) -> float:
         share = (value - spec.minimum[at]) / spec.span[at]
@@ -152,7 +161,7 @@ def _numbers(
         if labelled is not None:
             x = across(at, float(labelled[at]))
             points = f"{x - 5},{middle} {x},{middle - 5} {x + 5},{middle} {x},{middle + 5}"
-            pieces.append(f'<polygon points="{points}" fill="{EXPERT}"/>')
+            pieces.append(f'<polygon points="{points}" fill="{other}"/>')
         if proposed is not None:
             x = across(at, float(proposed[at]))
             pieces.append(f'<circle cx="{x:.1f}" cy="{middle}" r="4" fill="{POLICY}"/>')

@@ -17,8 +17,6 @@ OPACITY = 0.45
 THICKNESS_PX = 5.0
 LIFT_SHARE = 0.004
 """of the first view's radius by which a way is lifted, so that the ground does not hide it"""
-ACTORS = (Actor.POLICY, Actor.EXPERT)
-"""whose proposals they are, in the order of `Explained.ghosts`"""
 
 
 class Ghosts:
@@ -41,8 +39,10 @@ class Ghosts:
         for node in self._nodes:
             node.remove()
         self._nodes = []
-        for actor, ghost in zip(ACTORS, ghosts, strict=False):
-            self._haunt(actor, ghost, snapshot.scene)
+        if found is not None:
+            actors = Actor.POLICY, found.explanation.moment.other
+            for actor, ghost in zip(actors, ghosts, strict=False):
+                self._haunt(actor, ghost, snapshot.scene)
 
     def _haunt(self, actor: Actor, ghost: Ghost, scene: tuple[SceneGeom, ...]) -> None:
         name, colour = f"{WORLD}/ghost_{actor.value}", palette.ACTOR[actor]
