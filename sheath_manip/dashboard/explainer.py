@@ -146,10 +146,10 @@ class Explainer:
             elif moment.proposed is not None:
                 steps = reference.held_out_steps
                 precedents = reference.precedents(moment.observation, moment.proposed)
-                lacks = reference.lacks
                 if precedents is None:
                     lacks = "This gate compares with no single states, so there are none to show."
                 else:
+                    lacks = reference.lacks_of(precedents)
                     examples = _examples(reference, precedents, self._spec)
         except Exception as error:
             # A policy of others may raise what it likes, and of a worker nobody else would hear.

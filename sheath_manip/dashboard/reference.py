@@ -77,10 +77,19 @@ class GateReference:
             found.total,
         )
 
+    def lacks_of(self, precedents: Precedents) -> str:
+        """Return in a sentence why there are no images of `precedents`; empty where there are."""
+        if self.states is not None and len(self.states) != precedents.total:
+            return (
+                f"No images: the store has {len(self.states):,} labelled states, the gate was "
+                f"fitted to {precedents.total:,}."
+            )
+        return self.lacks
+
     def image(self, precedents: Precedents, place: int) -> NDArray[np.uint8] | None:
         """Return what the cameras saw in one of `precedents`; None where that cannot be read."""
         states = self.states
-        if states is None or not states.images or len(states) != precedents.total:
+        if states is None or not states.images or self.lacks_of(precedents):
             return None
         index = int(precedents.indices[place])
         return stacked_views([images[index] for images in states.images.values()])
