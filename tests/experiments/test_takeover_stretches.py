@@ -72,6 +72,10 @@ def test_a_stretch_is_over_after_its_steps_and_well_unless_the_task_fails():
     assert not any(environment.step(np.zeros(1, np.float32)).truncated for _ in range(3))
 
 
+def test_what_a_hold_asks_of_the_tasks_environment_is_passed_on():
+    assert StretchEnvironment(Corridor(12)).steps == 12
+
+
 def test_an_environment_that_cannot_be_restored_has_no_scenes_to_go_on_with():
     class Flowing:
         """What no state can be read of."""

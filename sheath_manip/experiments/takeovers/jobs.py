@@ -28,7 +28,7 @@ GATES, BASELINES, ORACLE = "gates", "baselines", "oracle"
 """files of trials on fresh scenes"""
 BASELINES_OF = {
     TAKEOVERS: ("random-blocks", "own-at-random-times", "another-scenes"),
-    SHARE: ("random-steps", "every-kth-step", "own-at-random-times"),
+    SHARE: ("random-steps", "every-kth-step"),
 }
 """what a gate is held against, by what is held equal"""
 

@@ -5,7 +5,7 @@ A gate that may ask once an episode cannot save an episode in which the policy f
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,13 +48,19 @@ class Stretch:
 
 
 class StretchEnvironment:
-    """An environment in which to get through a number of steps is to succeed."""
+    """An environment in which to get through a number of steps is to succeed.
+
+    What experts and holds ask of the task's own environment it passes on.
+    """
 
     def __init__(self, environment: Environment) -> None:
         self.environment = environment
         self._restorable = require_restorable(environment, "scenes that begin in an episode")
         self.steps_left: int | None = None
         """of the present scene; None: until the task says that it is over"""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.environment, name)
 
     @property
     def spec(self) -> TaskSpec:
@@ -79,10 +85,6 @@ class StretchEnvironment:
         through = self.steps_left == 0 and outcome is Outcome.TIME_LIMIT
         return Outcome.SUCCESS if through else outcome
 
-    def metrics(self) -> Mapping[str, float]:
-        """The episode's figures so far."""
-        return self.environment.metrics()
-
     def state(self) -> NDArray[np.float64]:
         """(s,) the whole simulator state."""
         return self._restorable.state()
@@ -90,6 +92,10 @@ class StretchEnvironment:
     def restore(self, state: NDArray[np.float64]) -> Observation:
         """Continue from a `state()` of the present episode."""
         return self._restorable.restore(state)
+
+    def metrics(self) -> Mapping[str, float]:
+        """The episode's figures so far."""
+        return self.environment.metrics()
 
     def close(self) -> None:
         """Close the environment."""

@@ -67,7 +67,7 @@ class Place:
         """Run the rest of the same scene from a state of its step `first`, under a gate."""
         task = self.at.task
         self.environment.steps_left = None if alone.most is None else alone.most - first
-        expert = CachedExpert(task.expert(self.environment.environment))
+        expert = CachedExpert(task.expert(self.environment))
         request = EpisodeRequest(
             task,
             alone.info,
