@@ -25,15 +25,15 @@ function (settings) {
     return before.length ? [plot, before.at(-1).dataset.sheathPlot] : null;
   }
   function seek(event) {
-    const [element, span] = pending ?? [];
-    if (!element) return;
-    const [first, count] = span.split(" ").map(Number), place = element.getBoundingClientRect();
+    const [place, span] = pending, [first, count] = span.split(" ").map(Number);
     const share = Math.max(0, Math.min(0.99999, (event.clientX - place.left) / place.width));
     send({ step: Math.floor(first + share * count) });
   }
   function down(event) {
     if (event.button !== 0 || !(event.target instanceof Element)) return;
-    pending = spanOf(event.target);
+    const found = spanOf(event.target);
+    // Its place of now: a strip is another element as soon as it is drawn again.
+    pending = found && [found[0].getBoundingClientRect(), found[1]];
     if (pending) return seek(event);
     const row = event.target.closest("[data-sheath-step], [data-sheath-episode]");
     if (row?.dataset.sheathStep) send({ step: Number(row.dataset.sheathStep) });

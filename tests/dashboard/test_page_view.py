@@ -176,6 +176,10 @@ def test_clicks_and_keys_move_in_time(
         there = lambda: (player.now.at, player.now.playing) == (step, playing)  # noqa: E731
         wait_until(there, what, page)
 
+    # While it plays, what is to be clicked is made anew all the time.
+    page.keyboard.press("k")
+    wait_until(lambda: not player.now.playing, "standing at first", page)
+    page.wait_for_timeout(500)
     strip = page.locator("[data-sheath-span]")
     box = strip.bounding_box()
     assert box is not None
