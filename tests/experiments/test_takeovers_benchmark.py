@@ -14,8 +14,7 @@ from rich.console import Console
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.benchmark import run_takeovers
-from sheath_manip.experiments.takeovers.jobs import BASELINES_OF
-from sheath_manip.experiments.takeovers.plan import FRESH, Quota, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, Quota, TakeoversPlan
 from sheath_manip.experiments.takeovers.recalled import RecallingGate
 from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials
