@@ -50,8 +50,8 @@ from tools.screenshot_subject import Subject, subject_of
 
 MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4
 """of the episode in the picture, and of the intervention under way: enough to be seen"""
-LIVE_TABS = ("Run", "Support", "Learning")
-REPLAY_TABS = ("Episode", "Episodes", "Support", "Marks")
+LIVE_TABS = ("Run", "Why", "What if", "Learning")
+REPLAY_TABS = ("Episode", "Episodes", "Why", "What if", "Marks")
 POSE_TIMEOUT_S = 1800.0
 """training included"""
 SETTLED_MS = 2500
@@ -111,7 +111,7 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
         # 256 colours are enough for what is drawn, at a third of the size.
         image = Image.open(io.BytesIO(png)).convert("RGB")
         method = Image.Quantize.FASTOCTREE
-        path = out / f"{name}-{tab.lower()}.png"
+        path = out / f"{name}-{tab.lower().replace(' ', '-')}.png"
         image.quantize(256, method=method).save(path, optimize=True)
         print(path)
 
@@ -128,7 +128,8 @@ def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> S
             subject = subject_of(task, options, spec, folder)
             adjusting = subject.adjusting
             widgets = () if adjusting is None else adjusting.widgets
-            with Dashboard(spec, port=0, gate=widgets) as dashboard:
+            explainer = None if adjusting is None else adjusting.explainer
+            with Dashboard(spec, port=0, gate=widgets, explainer=explainer) as dashboard:
                 shown.set_result(dashboard)
                 if adjusting is not None and adjusting.states is not None:
                     dashboard.on_fit(adjusting.states)
@@ -171,7 +172,9 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
 
     def drive() -> None:
         with (
-            operating.crew(task, Address(port=0), session, adjusting.widgets) as crew,
+            operating.crew(
+                task, Address(port=0), session, adjusting.widgets, adjusting.explainer
+            ) as crew,
             SerialExecutor() as executor,
         ):
             addresses.append(crew.page.address)
@@ -207,21 +210,32 @@ def operated(page: Page, subject: Subject, options: argparse.Namespace) -> None:
             page.keyboard.down(cockpit.guide[0].codes[0])
             page.wait_for_timeout(DRIVEN_MS)
             wait_until(lambda: hold(Actor.OPERATOR), "person", page)
-            photograph(page, ("Run", "Support"), f"{task.name}-person", options.out)
+            photograph(page, ("Run", "Why"), f"{task.name}-person", options.out)
         finally:
             cockpit.end(Ending.SAVE)
             cockpit.close()
         run.result()
 
 
-def recorded(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> None:
+def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: Path) -> None:
     """The replay page, at the middle of the last intervention."""
+    task, adjusting = subject.task, subject.adjusting
+    explainer = None if adjusting is None else adjusting.explainer
+    fitted = None if subject.checkpoint is None else subject.checkpoint.fitted
     catalog = EpisodeCatalog(EpisodeStore(folder / "recorded"))
     shown: Future[Replay] = Future()
 
     def play() -> None:
         maker, last = FilmMaker(task, None, catalog.read, catalog.summary), len(catalog) - 1
-        with Replay(maker.spec(last), catalog, maker.film, maker.exported, port=0) as replay:
+        with Replay(
+            maker.spec(last),
+            catalog,
+            maker.film,
+            maker.exported,
+            port=0,
+            explainer=explainer,
+            fitted=fitted,
+        ) as replay:
             shown.set_result(replay)
             replay.run(last)
         maker.close()
@@ -260,7 +274,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             chromium_page() as page,
         ):
             subject = live(page, TASKS[name], options, Path(folder))
-            recorded(page, TASKS[name], options, Path(folder))
+            recorded(page, subject, options, Path(folder))
             operated(page, subject, options)
     return 0
 

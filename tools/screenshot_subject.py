@@ -4,7 +4,7 @@ import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
-from sheath_manip.cli.adjusting import Adjusting, adjusted
+from sheath_manip.cli.adjusting import Adjusting, adjusted, scenes_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.drivers import ExpertAlone
@@ -68,4 +68,4 @@ def subject_of(task: Task, options: argparse.Namespace, spec: TaskSpec, folder: 
     if path is None:
         path, store = trained(task, folder)
     checkpoint = load_checkpoint(path, spec)
-    return Subject(task, spec, checkpoint, adjusted(path, checkpoint, store, spec))
+    return Subject(task, spec, checkpoint, adjusted(path, checkpoint, store, spec, scenes_of(task)))

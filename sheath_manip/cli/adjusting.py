@@ -1,16 +1,20 @@
 """A gate with sliders on the page: its threshold, and nu where its training states are there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from sheath_manip.dashboard.explainer import Explainer, MakeEnvironment
+from sheath_manip.dashboard.reference import WITHOUT_IMAGES, GateReference
 from sheath_manip.dashboard.widget import WidgetFactory
-from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
+from sheath_manip.dashboard.widgets.nu import NuSlider
+from sheath_manip.dashboard.widgets.what_if import WhatIf
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
 from sheath_manip.gates.fitted import FittedGate
+from sheath_manip.gates.held_out import HeldOut
 from sheath_manip.gates.patient import PatientGate
 from sheath_manip.gates.progress import ProgressGate
 from sheath_manip.gates.support import SupportGate
@@ -49,6 +53,8 @@ class Adjusting:
     """Factories of the page's further widgets."""
     states: Samples | None
     """States that the checkpoint was fitted to, where they are known."""
+    explainer: Explainer
+    """Says on the page why the gate asks."""
 
 
 def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:
@@ -63,8 +69,16 @@ def _with_dial(gate: Gate, dial: Dial) -> Gate:
     return Adjustable(gate, dial) if isinstance(gate, SupportGate) else gate
 
 
-def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None, spec: TaskSpec) -> Adjusting:
+def adjusted(
+    path: Path,
+    checkpoint: Checkpoint,
+    store: Path | None,
+    spec: TaskSpec,
+    make: MakeEnvironment | None = None,
+) -> Adjusting:
     """Return the sliders for the gate of `checkpoint`, which lies at `path`.
+
+    `make` gives environments of recorded scenes, for the page to look a second ahead.
 
     `store` has the episodes that it was fitted to. Raises StoreError where it is none or one does
     not fit `spec`, and ParameterError where it lacks the episodes.
@@ -73,7 +87,7 @@ def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None, spec: TaskS
     if fitted.signal is None:
         # There is no boundary to move; what makes the gate says why, if that is wanted.
         nowhere = Boundary(fitted, 0.0, -1.0, 1.0)
-        return Adjusting(AdjustedPolicy(path, Dial(nowhere)), (), None)
+        return Adjusting(AdjustedPolicy(path, Dial(nowhere)), (), None, Explainer(spec, None, make))
     data = None if store is None else load_training_data(EpisodeStore(store), checkpoint, spec)
     looks = (
         None
@@ -81,7 +95,7 @@ def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None, spec: TaskS
         else looks_of(fitted.policy, fitted.signal, data.states, data.calibration)
     )
     dial = Dial(_boundary(fitted, looks))
-    widgets: tuple[WidgetFactory, ...] = (partial(ThresholdSlider, dial=dial),)
+    widgets: tuple[WidgetFactory, ...] = (partial(WhatIf, dial=dial),)
     config = fitted.config
     if looks is not None and config.support_has_nu:
 
@@ -89,9 +103,24 @@ def adjusted(path: Path, checkpoint: Checkpoint, store: Path | None, spec: TaskS
             return _boundary(with_nu(fitted, looks, nu), looks)
 
         widgets = (*widgets, partial(NuSlider, dial=dial, refit=refit, nu=config.support.nu))
-    return Adjusting(AdjustedPolicy(path, dial), widgets, None if data is None else data.states)
+    states = None if data is None else data.states
+
+    def load() -> GateReference:
+        # A copy of its own, which no control loop asks; the states are in memory once.
+        return replace(GateReference.load(path, spec, None), states=states, lacks=lacks)
+
+    lacks = "" if data is not None else WITHOUT_IMAGES
+    return Adjusting(AdjustedPolicy(path, dial), widgets, states, Explainer(spec, load, make))
 
 
 def _boundary(fitted: FittedGate, looks: Looks | None) -> Boundary:
-    scores = [] if looks is None else [fitted.scores_of(each) for each in looks.calibration]
-    return around(fitted, fitted.threshold, np.concatenate([[], *scores]))
+    if looks is not None and not fitted.held_out.episodes:
+        # An older version wrote it.
+        scores = [fitted.scores_of(each) for each in looks.calibration]
+        fitted = replace(fitted, held_out=HeldOut.of(scores))
+    return around(fitted, fitted.threshold, np.concatenate([[], *fitted.held_out.episodes]))
+
+
+def scenes_of(task: Task) -> MakeEnvironment:
+    """Return what makes an environment of a recorded episode's scene."""
+    return lambda info: task.make_for_run(info.variant or "default", info.run_seed)

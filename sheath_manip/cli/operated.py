@@ -22,6 +22,7 @@ from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
     from sheath_manip.dashboard import Dashboard
+    from sheath_manip.dashboard.explainer import Explainer
     from sheath_manip.dashboard.widget import WidgetFactory
     from sheath_manip.rollout.simulated_operator import OperatorConfig
 
@@ -85,10 +86,11 @@ class Operating:
         address: Address,
         session: Session,
         gate: "tuple[WidgetFactory, ...]" = (),
+        explainer: "Explainer | None" = None,
     ) -> Iterator["Crew"]:
         """The page with its controls, and the parts of a run that go with it.
 
-        `gate` are the sliders of an adjustable gate.
+        `gate` are the sliders of an adjustable gate, `explainer` says why it asks.
         """
         if task.teleop is None:
             raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with teleop")
@@ -107,7 +109,7 @@ class Operating:
                 from sheath_manip.cockpit.spacemouse import SpaceMouse
 
                 stack.enter_context(SpaceMouse(cockpit))
-            page = stack.enter_context(address.dashboard(spec, session, cockpit, gate))
+            page = stack.enter_context(address.dashboard(spec, session, cockpit, gate, explainer))
             yield Crew(task, self, spec, cockpit, hands.dead_man, (page, pacing))
 
 

@@ -15,6 +15,7 @@ from sheath_manip.types import TaskSpec
 if TYPE_CHECKING:
     from sheath_manip.cockpit import Cockpit
     from sheath_manip.dashboard import Dashboard
+    from sheath_manip.dashboard.explainer import Explainer
     from sheath_manip.dashboard.widget import WidgetFactory
 
 NOT_LOOPBACK = (
@@ -52,17 +53,24 @@ class Address:
         session: Session,
         cockpit: "Cockpit | None" = None,
         gate: "tuple[WidgetFactory, ...]" = (),
+        explainer: "Explainer | None" = None,
     ) -> Iterator["Dashboard"]:
         """The page, its address printed; taken down at the end. Raises SetupError (port taken).
 
-        `cockpit` is where a person's orders go, `gate` are the sliders of an adjustable gate.
+        `cockpit` is where a person's orders go, `gate` are the sliders of an adjustable gate,
+        `explainer` says why it asks.
         """
         # Only now: it takes seconds, and most calls want no page.
         from sheath_manip.dashboard import Dashboard
 
         self.warn(session)
         with Dashboard(
-            spec, host=self.host, port=self.port, cockpit=cockpit, gate=gate
+            spec,
+            host=self.host,
+            port=self.port,
+            cockpit=cockpit,
+            gate=gate,
+            explainer=explainer,
         ) as dashboard:
             session.announce(dashboard.address)
             yield dashboard
@@ -74,13 +82,17 @@ class Address:
 
     @contextmanager
     def listeners(
-        self, wanted: bool, spec: TaskSpec, session: Session
+        self,
+        wanted: bool,
+        spec: TaskSpec,
+        session: Session,
+        explainer: "Explainer | None" = None,
     ) -> Iterator[Sequence["Dashboard"]]:
         """The page as the only listener where it is `wanted`, else none."""
         if not wanted:
             yield ()
             return
-        with self.dashboard(spec, session) as dashboard:
+        with self.dashboard(spec, session, explainer=explainer) as dashboard:
             yield (dashboard,)
 
 

@@ -12,10 +12,14 @@ from sheath_manip.cli.options import WITHOUT_PREFIX, Address, StoreAddress, defa
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.files.outputs import written_aside
+from sheath_manip.protocols import Environment
 from sheath_manip.task import Task
+from sheath_manip.types import EpisodeInfo, TaskSpec
 
 if TYPE_CHECKING:
     from sheath_manip.dashboard.catalog import EpisodeCatalog
+    from sheath_manip.dashboard.explainer import Explainer
+    from sheath_manip.gates.fitted import FittedGate
     from sheath_manip.playback.making import FilmMaker
 
 KINDS = (".mp4", ".html")
@@ -37,6 +41,13 @@ class Replay:
     """speed of the replay: 1 is the episode's control rate, 2 twice as fast"""
     variant: Annotated[str | None, default_is("the one that the episode says")] = None
     """variant of the task in which old episodes were recorded that do not say theirs"""
+    checkpoint: Annotated[Path | None, default_is("what the steps have recorded is told alone")] = (
+        None
+    )
+    """file of the policy and its gate that drove the episodes: the page then shows the training
+    states most like a moment, and what another threshold would come to on held-out episodes"""
+    training_store: Annotated[StoreAddress | None, default_is("the replayed one")] = None
+    """directory or URL of the episodes that the checkpoint was trained on, for their images"""
     once: bool = False
     """end after the episodes were shown once"""
     export: Annotated[Path | None, default_is("a page is shown")] = None
@@ -47,6 +58,8 @@ class Replay:
         """Replay, or export."""
         if not self.speed > 0:
             raise ParameterError(f"speed is {self.speed}; wanted more than 0, such as 1")
+        if self.training_store is not None and self.checkpoint is None:
+            raise ParameterError("--training-store is of a checkpoint; wanted --checkpoint, too")
         if self.export is not None and self.export.suffix not in KINDS:
             raise ParameterError(
                 f"--export {self.export}; wanted a name that ends in .mp4 or .html"
@@ -65,7 +78,7 @@ class Replay:
             if self.export is not None:
                 self._export(maker, place, session)
             else:
-                self._show(maker, catalog, place, session)
+                self._show(maker, catalog, place, task, session)
         return 0
 
     def _require_use_of_variant(self, recorded: Sequence[str], session: Session) -> None:
@@ -120,7 +133,12 @@ class Replay:
         session.out.print(Text(f"{self.export}: {len(content) / 1e6:.2f} MB"))
 
     def _show(
-        self, maker: "FilmMaker", catalog: "EpisodeCatalog", place: int, session: Session
+        self,
+        maker: "FilmMaker",
+        catalog: "EpisodeCatalog",
+        place: int,
+        task: Task,
+        session: Session,
     ) -> None:
         from sheath_manip.dashboard import Replay as ReplayPage
 
@@ -129,8 +147,11 @@ class Replay:
         if film.lacks:
             session.out.print(Text(film.lacks))
         self.address.warn(session)
+        spec = maker.spec(place)
+        with session.err.status("reading"):
+            explainer, fitted = self._explaining(task, spec)
         page = ReplayPage(
-            maker.spec(place),
+            spec,
             catalog,
             maker.film,
             maker.exported,
@@ -138,9 +159,29 @@ class Replay:
             port=self.address.port,
             speed=self.speed,
             again=not self.once,
+            explainer=explainer,
+            fitted=fitted,
         )
         with page, suppress(KeyboardInterrupt):
             session.announce(page.address)
             steps = f"{len(catalog)} episodes, this one of {len(film)} steps"
             session.out.print(Text(f"{self.store}: {steps}, {film.outcome}"))
             page.run(place)
+
+    def _explaining(self, task: Task, spec: TaskSpec) -> "tuple[Explainer, FittedGate | None]":
+        """What says why the gate asked; CheckpointError where the checkpoint cannot be used."""
+        from sheath_manip.dashboard.explainer import Explainer
+
+        def make(info: EpisodeInfo) -> Environment:
+            variant = info.variant or self.variant or "default"
+            return task.make_for_run(variant, info.run_seed)
+
+        if self.checkpoint is None:
+            return Explainer(spec, None, make), None
+        # Only now: torch takes seconds to import.
+        from sheath_manip.dashboard.reference import GateReference
+        from sheath_manip.dataset.locations import open_store
+
+        reader = open_store(self.training_store or self.store)
+        reference = GateReference.load(self.checkpoint, spec, reader)
+        return Explainer(spec, lambda: reference, make), reference.fitted

@@ -16,6 +16,7 @@ from sheath_manip.task import SCRIPTED, Task
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
 
 if TYPE_CHECKING:
+    from sheath_manip.dashboard.explainer import Explainer
     from sheath_manip.learning.checkpoint import Checkpoint
     from sheath_manip.rollout.asked import AskedInEpisode
     from sheath_manip.rollout.request import Driver
@@ -81,7 +82,9 @@ class Run:
             driver = self.operating.answered(driver, self.simulated)
         else:
             driver = self.operating.timed(driver, paced=False)
-        with self.address.listeners(self.dashboard, spec_of(task), session) as listeners:
+        explainer = self._explainer(task) if self.dashboard else None
+        spec = spec_of(task)
+        with self.address.listeners(self.dashboard, spec, session, explainer) as listeners:
             for page in listeners:
                 page.saved_in = self._saved_in
             return self._run(task, session, checkpoint, driver, listeners)
@@ -89,13 +92,16 @@ class Run:
     def _with_a_person(self, task: Task, session: Session) -> int:
         if self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
-        from sheath_manip.cli.adjusting import adjusted
+        from sheath_manip.cli.adjusting import adjusted, scenes_of
         from sheath_manip.cockpit.start import UntilReady
 
         checkpoint = self._checkpoint(task, session)
         with session.err.status("reading"):
-            adjusting = adjusted(self.checkpoint, checkpoint, self.training_store, spec_of(task))
-        with self.operating.crew(task, self.address, session, adjusting.widgets) as crew:
+            adjusting = adjusted(
+                self.checkpoint, checkpoint, self.training_store, spec_of(task), scenes_of(task)
+            )
+        explainer = adjusting.explainer
+        with self.operating.crew(task, self.address, session, adjusting.widgets, explainer) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
             crew.page.saved_in = self._saved_in
@@ -103,6 +109,16 @@ class Run:
             page, *others = crew.listeners
             listeners = (page, UntilReady(crew.cockpit), *others)
             return self._run(crew.operated(), session, checkpoint, driver, listeners)
+
+    def _explainer(self, task: Task) -> "Explainer":
+        from sheath_manip.cli.adjusting import scenes_of
+        from sheath_manip.dashboard.explainer import Explainer
+        from sheath_manip.dashboard.reference import GateReference
+
+        spec = spec_of(task)
+        return Explainer(
+            spec, lambda: GateReference.load(self.checkpoint, spec, None), scenes_of(task)
+        )
 
     @property
     def _beneath(self) -> str:

@@ -50,7 +50,7 @@ class Watch:
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         task = session.runnable(self.task)
         # Only now: torch takes seconds to import.
-        from sheath_manip.cli.adjusting import adjusted
+        from sheath_manip.cli.adjusting import adjusted, scenes_of
         from sheath_manip.cli.episodes import opened, run_all
         from sheath_manip.learning.checkpoint import load_checkpoint
         from sheath_manip.learning.drivers import ExpertAlone
@@ -66,14 +66,15 @@ class Watch:
             checkpoint = load_checkpoint(self.checkpoint, spec)
             session.remark(checkpoint.remark)
             with session.err.status("reading"):
-                adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec)
+                adjusting = adjusted(self.checkpoint, checkpoint, self.store, spec, scenes_of(task))
             driver = adjusting.driver
         if self.deadline:
             driver = TimedDriver(driver, Deadline(self.deadline / self.speed))
         widgets = () if adjusting is None else adjusting.widgets
+        explainer = None if adjusting is None else adjusting.explainer
         with (
             SerialExecutor() as executor,
-            self.address.dashboard(spec, session, cockpit, widgets) as page,
+            self.address.dashboard(spec, session, cockpit, widgets, explainer) as page,
             suppress(KeyboardInterrupt),
         ):
             if adjusting is not None and adjusting.states is not None:

@@ -13,6 +13,7 @@ from sheath_manip.cockpit import transitions
 from sheath_manip.cockpit.between import Between
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
 from sheath_manip.cockpit.orders import Order
+from sheath_manip.cockpit.question import Question
 from sheath_manip.cockpit.standing import Ending, Now, Standing
 from sheath_manip.cockpit.state import State
 from sheath_manip.rollout.watch import waiting_on_purpose
@@ -71,6 +72,8 @@ class Cockpit:
         """what the person's devices said in this step"""
         self.tool_pose: NDArray[np.float64] | None = None
         """(7,) position (m) and wxyz quaternion, world frame, where the robot has a tool"""
+        self.question: Question | None = None
+        """what the gate has just decided against; None where it lets the policy act"""
         self.gated = False
         """whether the episode's gate goes by the person's orders; else its environment does"""
         self.still = False
@@ -181,6 +184,7 @@ class Cockpit:
     def begin_episode(self) -> None:
         """Forget how the last one was ended; who drives drives on, and who holds goes on so."""
         self._follow(transitions.begun)
+        self.question = None
         self.gated = False
         self.give_turn(Actor.POLICY)
 

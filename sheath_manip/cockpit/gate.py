@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from sheath_manip.cockpit.cockpit import Cockpit
+from sheath_manip.cockpit.question import Question
 from sheath_manip.cockpit.standing import Now
 from sheath_manip.cockpit.unattended import require_attended
 from sheath_manip.exceptions import ParameterError
@@ -92,6 +93,7 @@ class PersonGate:
         if attended and not self._attended:
             self._patient.release()
         wanted = self.gate.decide(observation, proposal)
+        self.cockpit.question = _question(observation, proposal, wanted)
         now = self.cockpit.now()
         turn, reason = self._turn(wanted, now)
         stood_s = 0.0
@@ -154,3 +156,11 @@ class PersonGate:
     def _in_vain(self, now: Now) -> bool:
         """Whether to wait is pointless: nobody can come, and no time passes meanwhile."""
         return now.closed and not self.can_hold and math.isfinite(self.wait_s)
+
+
+def _question(
+    observation: Observation, proposal: Proposal | None, wanted: GateDecision
+) -> Question | None:
+    if wanted.actor is Actor.POLICY:
+        return None
+    return Question(observation, None if proposal is None else proposal.now[0], wanted)

@@ -5,9 +5,13 @@ from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
 
+import numpy as np
+
+from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.gates.what_if import ScoredEpisode
 from sheath_manip.types import Episode, Outcome
 from sheath_manip.types.samples import Samples, samples_from
 
@@ -71,6 +75,21 @@ class EpisodeCatalog:
         with self._lock:
             self._summaries[place] = summary
             self._marks[place] = marks
+
+    def scored(self, most: int) -> list[ScoredEpisode]:
+        """Return the scores of the latest episodes that have any, as they were judged.
+
+        Damaged episodes are passed over, too.
+        """
+        found = []
+        for name in self._names[-most:]:
+            with suppress(StoreError):
+                header = self._store.header(name)
+                (spec,) = (each for each in layout(header) if each.path == "score")
+                scores = self._store.array(name, spec)
+                if np.isfinite(scores).any():
+                    found.append(ScoredEpisode(scores, header.outcome is Outcome.FAILURE))
+        return found
 
     def training(self) -> Samples | None:
         """Labelled states of the first episodes, without images; None where nothing is labelled.

@@ -7,15 +7,21 @@ import threading
 import viser
 
 from sheath_manip.cockpit import Cockpit
+from sheath_manip.cockpit.question import Question
 from sheath_manip.dashboard.drawer import Drawer
+from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.playhead import Playhead
+from sheath_manip.dashboard.scored import MOST_SCORED, scored
+from sheath_manip.dashboard.seek_socket import SeekSocket
+from sheath_manip.dashboard.seeking import RunSeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import Snapshot, snapshot_of
 from sheath_manip.dashboard.tally import Share, Tally
 from sheath_manip.dashboard.widget import WidgetContext, WidgetFactory
+from sheath_manip.gates.what_if import ScoredEpisode
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.playback.film import Film, film_begun, pose_of
 from sheath_manip.protocols import Environment
@@ -44,11 +50,13 @@ class Dashboard(Closes):
         token: str | None = None,
         cockpit: Cockpit | None = None,
         gate: tuple[WidgetFactory, ...] = (),
+        explainer: Explainer | None = None,
     ) -> None:
         """Open the page.
 
         `cockpit` is where a person's orders go, by default one to hold the run; `gate` are the
-        sliders of a gate that a person may adjust.
+        sliders of a gate that a person may adjust; `explainer` says why it asks, by default
+        from what a step records alone.
 
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
@@ -56,21 +64,27 @@ class Dashboard(Closes):
         self.saved_in = ""
         """where the run is recorded, for the page to say at its end"""
         label = f"sheath · {spec.name}"
+        seeking = SeekSocket()
         self._server = GuardedServer.open(
-            host, port, token, label, self.cockpit, lambda: self._drawer.true_s
+            host, port, token, label, self.cockpit, lambda: self._drawer.true_s, seeking
         )
         # Else the loop waits up to 5 ms for its turn where a drawing is under way.
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))
         self._closed = threading.Event()
         self._drawer = Drawer(self._draw_latest, self._show_trouble, DRAW_RATE_HZ)
         self._playhead = Playhead(self._drawer.wake)
+        seeking.target = RunSeeking(self._playhead)
         context = WidgetContext(self._server.viser, spec, self._drawer.wake, self._allows)
-        self._page = Page(context, live(spec, self.cockpit, self._playhead, gate))
+        self._explainer = explainer or Explainer(spec)
+        self._explainer.question = self._question
+        layout = live(spec, self.cockpit, self._playhead, self._explainer, gate)
+        self._page = Page(context, layout)
         self._lock = threading.Lock()
         self._tally = Tally()
         self._film: Film | None = None
         self._training: Samples | None = None
         self._results: tuple[RoundResult, ...] = ()
+        self._scored: tuple[ScoredEpisode, ...] = ()
         self._server.viser.on_client_connect(self._greet)
         self.cockpit.on_change = self._drawer.wake
 
@@ -121,6 +135,7 @@ class Dashboard(Closes):
             share = Share.of(self._film.trace.so_far())
             self._tally.end(episode.info, share, episode.outcome)
         self.cockpit.between.note_episode(runs=False)
+            self._scored = (*self._scored, scored(self._film))[-MOST_SCORED:]
         self._drawer.wake()
 
     def pause(self) -> None:
@@ -147,6 +162,7 @@ class Dashboard(Closes):
         self._closed.set()
         self.cockpit.close()
         self._drawer.close()
+        self._explainer.close()
         self._server.close(self.saved_in)
 
     def _allows(self, client_id: int | None) -> bool:
@@ -157,10 +173,18 @@ class Dashboard(Closes):
         holder = self.cockpit.lease.holder
         return client_id is None or holder in (None, station_of(client_id))
 
+    def _question(self) -> Question | None:
+        """What the run stands still before, since the gate asks for a person."""
+        asking = self.cockpit.still and self.cockpit.state.asking
+        return self.cockpit.question if asking else None
+
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()
 
     def _latest(self) -> Snapshot | None:
+        if self.cockpit.lease.holder is not None:
+            # Nobody drives by the past, whoever wants to look back meanwhile.
+            self._playhead.release()
         shown = self._playhead.shown
         if shown is None:
             return None
@@ -173,6 +197,7 @@ class Dashboard(Closes):
                 outcomes=self._tally.outcomes(film.info),
                 training=self._training,
                 results=self._results,
+                scored=self._scored,
                 paused=self.cockpit.paused,
                 present=present,
             )

@@ -4,6 +4,7 @@ from functools import partial
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.catalog import EpisodeCatalog
+from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dashboard.following import Following
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.playhead import Playhead
@@ -17,6 +18,7 @@ from sheath_manip.dashboard.widgets.episode_list import EpisodeList
 from sheath_manip.dashboard.widgets.export import Export, Exporting
 from sheath_manip.dashboard.widgets.floor import Floor
 from sheath_manip.dashboard.widgets.follow import FollowBox
+from sheath_manip.dashboard.widgets.ghosts import Ghosts
 from sheath_manip.dashboard.widgets.interventions import Interventions
 from sheath_manip.dashboard.widgets.learning import LearningCurves
 from sheath_manip.dashboard.widgets.lines import Lines
@@ -30,15 +32,22 @@ from sheath_manip.dashboard.widgets.tool_gizmo import ToolGizmo
 from sheath_manip.dashboard.widgets.trail import Trail
 from sheath_manip.dashboard.widgets.transport import Transport
 from sheath_manip.dashboard.widgets.trouble import Trouble
+from sheath_manip.dashboard.widgets.what_if import WhatIf
+from sheath_manip.dashboard.widgets.why import Why, WhyDetails
+from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.types import TaskSpec
 
 
 def live(
-    spec: TaskSpec, cockpit: Cockpit, playhead: Playhead, gate: tuple[WidgetFactory, ...] = ()
+    spec: TaskSpec,
+    cockpit: Cockpit,
+    playhead: Playhead,
+    explainer: Explainer,
+    gate: tuple[WidgetFactory, ...] = (),
 ) -> Layout:
     """The page of a run that a person controls from `cockpit`.
 
-    `gate` are the sliders of a gate that a person may adjust.
+    `explainer` says why the gate asks; `gate` are the sliders of one that a person may adjust.
     """
     following = _following(spec)
     return Layout(
@@ -49,9 +58,15 @@ def live(
             Lines,
             Trail,
             Cameras,
+            partial(Ghosts, explainer=explainer),
             partial(ToolGizmo, cockpit=cockpit),
         ),
-        head=(Trouble, partial(Banner, cockpit=cockpit), partial(Controls, cockpit=cockpit)),
+        head=(
+            Trouble,
+            partial(Banner, cockpit=cockpit),
+            partial(Controls, cockpit=cockpit),
+            partial(Why, explainer=explainer),
+        ),
         tabs={
             "Run": (
                 ScorePlot,
@@ -61,14 +76,21 @@ def live(
                 partial(FollowBox, following=following),
                 partial(LookThrough, following=following),
             ),
-            "Support": (*gate, SupportMap),
+            "Why": (partial(WhyDetails, explainer=explainer),),
+            "What if": gate or (WhatIf,),
+            **_support(explainer),
             "Learning": (LearningCurves,),
         },
     )
 
 
 def recorded(
-    spec: TaskSpec, catalog: EpisodeCatalog, player: Player, exporting: Exporting
+    spec: TaskSpec,
+    catalog: EpisodeCatalog,
+    player: Player,
+    exporting: Exporting,
+    explainer: Explainer,
+    fitted: FittedGate | None = None,
 ) -> Layout:
     """The page of recorded episodes."""
     following = _following(spec)
@@ -80,8 +102,14 @@ def recorded(
             Lines,
             Trail,
             Cameras,
+            partial(Ghosts, explainer=explainer),
         ),
-        head=(Trouble, Banner, partial(Transport, player=player)),
+        head=(
+            Trouble,
+            Banner,
+            partial(Transport, player=player),
+            partial(Why, explainer=explainer),
+        ),
         tabs={
             "Episode": (
                 partial(ScorePlot, ahead=0.5),
@@ -92,13 +120,20 @@ def recorded(
                 partial(LookThrough, following=following),
             ),
             "Episodes": (partial(EpisodeList, catalog=catalog, player=player),),
-            "Support": (SupportMap,),
+            "Why": (partial(WhyDetails, explainer=explainer),),
+            "What if": (partial(WhatIf, fitted=fitted),),
+            **_support(explainer),
             "Marks": (
                 partial(Marking, catalog=catalog, player=player),
                 partial(Export, player=player, exporting=exporting),
             ),
         },
     )
+
+
+def _support(explainer: Explainer) -> dict[str, tuple[WidgetFactory, ...]]:
+    """A picture of training states on two axes, where the gate's own neighbours are not known."""
+    return {} if explainer.compares else {"Support": (SupportMap,)}
 
 
 def _following(spec: TaskSpec) -> Following:

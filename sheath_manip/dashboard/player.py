@@ -24,6 +24,7 @@ class Played:
     """None until the first one has been read"""
     at: int = 0
     playing: bool = True
+    backwards: bool = False
     speed: float = 1.0
     note: str = ""
     """what is being done, or what went wrong; for a person"""
@@ -74,6 +75,14 @@ class Player:
     def toggle(self) -> None:
         """Play or stand still; at the end, play from the beginning."""
         self._asked.put(self._toggle)
+
+    def shuttle(self, backwards: bool) -> None:
+        """Play that way, and twice as fast each time that it is asked for again."""
+        self._asked.put(lambda: self._shuttle(backwards))
+
+    def stop(self) -> None:
+        """Stand still."""
+        self._asked.put(lambda: self._set(playing=False))
 
     def pace(self, speed: float) -> None:
         """Play so many times as fast, clamped."""
@@ -132,6 +141,10 @@ class Player:
         """One step on; whether there is anything left to play."""
         film = self._now.film
         assert film is not None
+        if self._now.backwards:
+            at = max(self._now.at - 1, 0)
+            self._set(at=at, playing=at > 0)
+            return True
         if self._now.at + 1 < len(film):
             self._set(at=self._now.at + 1)
             return True
@@ -141,12 +154,19 @@ class Player:
 
     def _load(self, place: int) -> None:
         film = self._film_at(place)
-        self._set(place=place, film=film, at=0, playing=True, note=film.lacks)
+        self._set(place=place, film=film, at=0, playing=True, backwards=False, note=film.lacks)
 
     def _toggle(self) -> None:
         now, film = self._now, self._now.film
         at_end = film is not None and now.at + 1 >= len(film)
-        self._set(playing=not now.playing, at=0 if at_end and not now.playing else now.at)
+        at = 0 if at_end and not now.playing else now.at
+        self._set(playing=not now.playing, at=at, backwards=False)
+
+    def _shuttle(self, backwards: bool) -> None:
+        now = self._now
+        again = now.playing and now.backwards is backwards
+        speed = min(2 * now.speed, FASTEST) if again else 1.0
+        self._set(playing=True, backwards=backwards, speed=speed)
 
     def _clamped(self, step: int) -> int:
         length = 0 if self._now.film is None else len(self._now.film)

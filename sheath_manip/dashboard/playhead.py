@@ -34,8 +34,9 @@ class Playhead:
     def release(self) -> None:
         """Back to the present."""
         with self._lock:
-            self._held = None
-        self._wake()
+            held, self._held = self._held, None
+        if held is not None:
+            self._wake()
 
     @property
     def shown(self) -> tuple[Film, int, bool] | None:

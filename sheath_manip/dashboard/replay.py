@@ -1,20 +1,27 @@
 """The replay page: the episodes of a store, in the same scene, score and timeline as live."""
 
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Sequence
 
 import viser
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.drawer import Drawer
+from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dashboard.layout import recorded
 from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.player import Player
+from sheath_manip.dashboard.scored import MOST_SCORED
+from sheath_manip.dashboard.seek_socket import SeekSocket
+from sheath_manip.dashboard.seeking import ReplaySeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import snapshot_of
 from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dashboard.widgets.export import Exporting
+from sheath_manip.gates.fitted import FittedGate
+from sheath_manip.gates.what_if import ScoredEpisode
 from sheath_manip.playback.film import Film
 from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import TaskSpec
@@ -36,6 +43,8 @@ class Replay(Closes):
         token: str | None = None,
         speed: float = 1.0,
         again: bool = True,
+        explainer: Explainer | None = None,
+        fitted: FittedGate | None = None,
     ) -> None:
         """Open the page.
 
@@ -49,6 +58,8 @@ class Replay(Closes):
             token: that lets a browser in; a random one by default.
             speed: to begin with.
             again: begin an episode anew at its end, else `run` returns there.
+            explainer: says why a gate asked; by default from what a step records alone.
+            fitted: the gate that judged, where it is known: previews look at its settings.
 
         Raises:
             SetupError: the port is taken.
@@ -57,12 +68,20 @@ class Replay(Closes):
         cockpit = Cockpit()
         # No run is to be paused: what plays is the player's.
         cockpit.close()
-        self._server = GuardedServer.open(host, port, token, f"sheath · {spec.name}", cockpit)
+        seeking = SeekSocket(has_keys=True)
+        label = f"sheath · {spec.name}"
+        self._server = GuardedServer.open(host, port, token, label, cockpit, seeking=seeking)
         self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
         self.player = Player(film_at, self._drawer.wake, speed, again)
+        seeking.target = ReplaySeeking(self.player, catalog)
         context = WidgetContext(self._server.viser, spec, self._drawer.wake)
-        self._page = Page(context, recorded(spec, catalog, self.player, exporting))
+        self._explainer = explainer or Explainer(spec)
+        layout = recorded(spec, catalog, self.player, exporting, self._explainer, fitted)
+        self._page = Page(context, layout)
         self._training = catalog.training()
+        self._scored: Sequence[ScoredEpisode] = ()
+        # Not waited for: of many episodes it takes a second.
+        threading.Thread(target=self._read_scores, name="scores", daemon=True).start()
         self._server.viser.on_client_connect(self._greet)
 
     @property
@@ -79,7 +98,12 @@ class Replay(Closes):
         """Stop playing and take the page down."""
         self.player.close()
         self._drawer.close()
+        self._explainer.close()
         self._server.close()
+
+    def _read_scores(self) -> None:
+        self._scored = self._catalog.scored(MOST_SCORED)
+        self._drawer.wake()
 
     async def _greet(self, _: viser.ClientHandle) -> None:
         self._drawer.wake()
@@ -94,6 +118,7 @@ class Replay(Closes):
             series=Share(),
             outcomes=self._catalog.outcomes,
             training=self._training,
+            scored=self._scored,
             paused=not now.playing,
             present=False,
         )

@@ -66,7 +66,7 @@ class SceneView:
             for body in sorted({geom.body for geom in scene})
         }
         for index, geom in enumerate(scene):
-            _add_geom(self._server.scene, f"{name}/{geom.body}/{index}", geom)
+            add_geom(self._server.scene, f"{name}/{geom.body}/{index}", geom)
         self._geoms = tuple(scene)
         self._shown = np.full_like(pose.bodies, np.nan)
         # Once only: afterwards the camera is where the person wants it.
@@ -111,7 +111,8 @@ def _same_geom(left: SceneGeom, right: SceneGeom) -> bool:
     return left is right or all(a is b or np.array_equal(a, b) for a, b in pairs)
 
 
-def _add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
+def add_geom(scene: viser.SceneApi, name: str, geom: SceneGeom) -> None:
+    """Add a shape below the frame of its body; raises ParameterError as `SceneView.build` does."""
     red, green, blue = (round(255 * channel) for channel in geom.rgba[:3])
     color = (red, green, blue)
     opacity = None if geom.rgba[3] >= 1 else geom.rgba[3]

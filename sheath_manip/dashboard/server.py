@@ -18,11 +18,12 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.dashboard import headers, operator_socket, server_log
+from sheath_manip.dashboard import headers, operator_socket, seek_socket, server_log
 from sheath_manip.dashboard.access import AccessControl
 from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
 from sheath_manip.dashboard.operator_socket import Looks, OperatorSocket, station_of
 from sheath_manip.dashboard.paced_connection import PacedConnection
+from sheath_manip.dashboard.seek_socket import SeekSocket
 from sheath_manip.exceptions import ParameterError, SetupError
 
 MIN_TOKEN_LENGTH = 8
@@ -32,6 +33,9 @@ FAREWELL_S = 0.5
 """for the pages to hear that the run has ended"""
 SUBPROTOCOL = f"viser-v{viser.__version__}"
 """of viser's client; to any other viser would answer on the terminal, in that one's own words"""
+
+SOCKETS = ("/", operator_socket.PATH, seek_socket.PATH)
+"""where there is a websocket"""
 
 _serve_is_wrapped = threading.Lock()
 
@@ -55,12 +59,13 @@ class GuardedServer:
         label: str,
         cockpit: Cockpit,
         true_s: Callable[[], float] | None = None,
+        seeking: SeekSocket | None = None,
     ) -> "GuardedServer":
         """Listen on `host` and `port` (0: any free one) and build the server on top.
 
         Each page gets the script by which a person operates `cockpit`. `true_s` is up to when what
         was drawn is true (`time.monotonic`): who drives by what is too old is not heard. None is
-        for pages that show nothing of the present.
+        for pages that show nothing of the present. By `seeking` a page moves in time.
 
         Raises:
             SetupError: the port is taken, or the host is not one of this machine.
@@ -74,8 +79,9 @@ class GuardedServer:
         listener = _listen(host, port)
         access = AccessControl(host, listener.getsockname()[1], token or secrets.token_urlsafe(24))
         inspection, operators = Inspection(), OperatorSocket(cockpit, label)
+        seeking = seeking or SeekSocket()
         try:
-            with _wrapped_serve(access, listener, inspection, operators), _quiet():
+            with _wrapped_serve(access, listener, inspection, operators, seeking), _quiet():
                 server = viser.ViserServer(host=host, port=access.port, label=label, verbose=False)
         except BaseException:
             listener.close()
@@ -84,7 +90,7 @@ class GuardedServer:
         loop = server._websock_server._background_event_loop
         assert loop is not None
         server_log.quieten(loop)
-        _give_script(server, operators, true_s)
+        _give_script(server, operators, true_s, seeking)
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
             server._websock_server.unregister_handler(message)
@@ -126,11 +132,12 @@ def _wrapped_serve(
     listener: socket.socket,
     inspection: Inspection,
     operators: OperatorSocket,
+    seeking: SeekSocket,
 ) -> Iterator[None]:
     """While viser starts, put the guards in front of the one server that it opens, on `listener`.
 
     `access` says who comes in, `inspection` what viser hears of those, and `operators` serves the
-    page's own websocket beside viser's.
+    page's own websocket beside viser's, as `seeking` does another.
     """
     serve: Any = websockets.asyncio.server.serve
     used = False
@@ -145,6 +152,8 @@ def _wrapped_serve(
             assert connection.request is not None
             if access.inside(connection.request) == operator_socket.PATH:
                 await operators.serve(connection)
+            elif access.inside(connection.request) == seek_socket.PATH:
+                await seeking.serve(connection)
             elif connection.subprotocol == SUBPROTOCOL:
                 paced = PacedConnection(InspectedConnection(connection, inspection))
                 marking = asyncio.create_task(paced.keep_marking())
@@ -158,7 +167,7 @@ def _wrapped_serve(
             if refused is not None:
                 return refused
             below = Request(access.inside(request), request.headers)
-            if "Upgrade" in request.headers and below.path not in ("/", operator_socket.PATH):
+            if "Upgrade" in request.headers and below.path not in SOCKETS:
                 return connection.respond(HTTPStatus.NOT_FOUND, "Here is no websocket.")
             return process_request(connection, below)
 
@@ -214,7 +223,10 @@ def _theme(looks: Looks) -> Any:
 
 
 def _give_script(
-    server: viser.ViserServer, operators: OperatorSocket, true_s: Callable[[], float] | None
+    server: viser.ViserServer,
+    operators: OperatorSocket,
+    true_s: Callable[[], float] | None,
+    seeking: SeekSocket,
 ) -> None:
     sockets, buffer = server._websock_server, server._websock_server.get_message_buffer()
 
@@ -232,6 +244,7 @@ def _give_script(
             return None if waiting or true_s is None else true_s()
 
         run(operators.script(page))
+        run(seeking.script())
         connection: Any = sockets._live_connections.get(page)
         if connection is not None and true_s is not None:
             mark = "window.sheathOperator?.saw({})".format

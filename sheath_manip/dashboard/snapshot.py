@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from sheath_manip.dashboard.tally import Share
+from sheath_manip.gates.what_if import ScoredEpisode
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.playback.film import Film
 from sheath_manip.playback.trace import Trace
@@ -38,6 +39,9 @@ class Snapshot:
     """what the policy was fitted to; the same object until it is fitted anew"""
     results: Sequence[RoundResult] = ()
     """of the rounds of learning so far; the same object until there is one more"""
+    scored: Sequence[ScoredEpisode] = ()
+    """episodes with scores that are shown, but for one that runs; the same object until there are
+    more"""
     paused: bool = False
     """whether a person holds the run"""
     present: bool = True
@@ -59,6 +63,7 @@ def snapshot_of(
     paused: bool,
     present: bool,
     results: Sequence[RoundResult] = (),
+    scored: Sequence[ScoredEpisode] = (),
 ) -> Snapshot:
     """Return the step `at` of `film`, -1 before the first; the rest as in `Snapshot`.
 
@@ -80,6 +85,7 @@ def snapshot_of(
         outcomes=outcomes,
         training=training,
         results=results,
+        scored=scored,
         paused=paused,
         present=present,
     )

@@ -45,7 +45,7 @@ _COUNT = whole(-(2**31), 2**31)
 _SIZE = whole(0, 10**7)
 _PIXELS = whole(0, 2**16)
 _MOST_WORDS = 256
-"""of cameras, metrics, limits and kinds"""
+"""of cameras, metrics, limits, signals and kinds"""
 
 
 def to_attributes(header: Header) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def to_attributes(header: Header) -> dict[str, Any]:
     fields = asdict(replace(header, space=None, digests=None))
     info = fields.pop("info")
     # What few episodes have is written for those alone.
-    for name in ("broken", "waits", "instruction"):
+    for name in ("broken", "waits", "instruction", "signals"):
         if not fields[name]:
             del fields[name]
     del fields["digests"]
@@ -192,6 +192,7 @@ def _from_attributes(attributes: Mapping[str, Any]) -> Header:
         broken=fields.take("broken", broken_from_json, absent=()),
         waits=fields.take("waits", waits_from_json, absent=()),
         instruction=fields.take("instruction", word, absent=""),
+        signals=fields.take("signals", rows_of(word, _MOST_WORDS), absent=()),
     )
     if fields.take("success", flag) is not (header.outcome is Outcome.SUCCESS):
         raise ValueError(f"success: it tells another than the outcome {header.outcome}")

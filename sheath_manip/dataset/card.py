@@ -6,7 +6,7 @@ from statistics import mean
 
 from sheath_manip.dataset.compatibility import RecordedSpec, differences
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import ArraySpec, layout
+from sheath_manip.dataset.layout import LIMITED, SIGNALS, ArraySpec, layout
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.table import readable
@@ -32,6 +32,8 @@ _MEANINGS = {
     "reward": "of the executed action",
     "limited": "by how much each limit (attribute `limits`) changed the command, as a share of the "
     "fastest one; NaN where it did not",
+    "signals": "what the score is made of: the score of each signal (attribute `signals`), and the "
+    "share of held-out expert steps that score lower; NaN where it has none",
 }
 
 
@@ -46,8 +48,8 @@ def card(reader: EpisodeReader, spec: TaskSpec | None, licence: str) -> str:
         why = f" that can be read; {broken[0]}" if broken else ""
         raise StoreError(f"{reader.address} has no episode{why}")
     headers = [reader.header(summary.name) for summary in summaries]
-    # Only where a limit acted does an episode have the array that tells of it.
-    header = max(headers, key=lambda header: (header.space is not None, bool(header.limits)))
+    # Only where a limit acted, or a gate judged, does an episode have the array that tells of it.
+    header = max(headers, key=lambda h: (h.space is not None, bool(h.limits), bool(h.signals)))
     space = header.space or (None if spec is None else Space.of(spec))
     info = header.info
     dates = sorted({header.recorded_utc for header in headers})
@@ -99,7 +101,7 @@ def _unlike(summaries: Sequence[EpisodeSummary], described: RecordedSpec) -> lis
 
 def _row(array: ArraySpec, header: Header, space: Space | None) -> str:
     final = array.path.startswith("final/")
-    sizes = ["l"] if array.path == "limited" else array.shape[1:]
+    sizes = {LIMITED: ["l"], SIGNALS: ["k", 2]}.get(array.path, array.shape[1:])
     shape = ", ".join(map(str, array.shape if final else ("T", *sizes)))
     return f"| `{array.path}` | {array.dtype} | ({shape}) | {_meaning(array, header, space)} |"
 

@@ -69,6 +69,9 @@ class Header:
     """when the robot stood still and waited for a person"""
     instruction: str = ""
     """what the robot was told to do when the episode began; empty where nothing was said"""
+    signals: tuple[str, ...] = ()
+    """the columns of the array `signals`, sorted: what the gate's score was made of; empty for
+    episodes without such a gate, and of before this was recorded"""
     digests: Mapping[str, str] | None = field(default=None, compare=False)
     """of each array, by its path, as they were written; None where the recording does not say"""
 
@@ -122,6 +125,7 @@ def header_of(episode: Episode, space: Space | None = None) -> Header:
         broken=broken_steps(episode),
         waits=waits_of(episode),
         instruction=episode.steps[0].observation.instruction,
+        signals=tuple(columns.signals),
     )
     try:
         require_sizes(header)

@@ -15,10 +15,13 @@
 | `score`, `threshold` | (T,) float64 | of the support; NaN where the gate has none |
 | `reward` | (T,) float64 | of the executed action |
 | `limited` | (T, l) float64 | by how much each limit changed the command; NaN where it did not |
+| `signals` | (T, k, 2) float64 | each signal's score, and its share among held-out expert steps |
 | `final/...` | no T | `images/CAMERA`, `features`, `time_s`, `state` after the last action |
 
+
 The columns of `limited` are the attribute `limits`; where no limit acted in the whole episode there
-is neither.
+is neither. Those of `signals` are the attribute of that name, and NaN where a signal has no score;
+where no gate judged by any there is neither.
 
 Holding the robot in place of the expert counts as acting without a query: it gives no label.
 
@@ -37,6 +40,8 @@ from sheath_manip.dataset.header import Header
 
 Arrays = Mapping[str, NDArray]
 """by the path of their `ArraySpec`"""
+LIMITED, SIGNALS = "limited", "signals"
+"""arrays whose columns each episode names itself: another one may have others, or none"""
 FRAMES_PER_CHUNK = 64
 """Chunks of single frames take ten times as long to write and compress far worse."""
 MOST_CHUNK_BYTES = 512 << 20
@@ -91,7 +96,8 @@ def layout(header: Header) -> list[ArraySpec]:
         ("time_s", (), "float64"),
         ("state", (header.state_size,), "float64"),
     ]
-    limited = [("limited", (len(header.limits),), "float64")] if header.limits else []
+    limited = [(LIMITED, (len(header.limits),), "float64")] if header.limits else []
+    signals = [(SIGNALS, (len(header.signals), 2), "float64")] if header.signals else []
     step = [
         *observation,
         *(
@@ -102,6 +108,7 @@ def layout(header: Header) -> list[ArraySpec]:
         *((name, (), "uint8") for name in ("actor", "reason")),
         *((name, (), "float64") for name in ("score", "threshold", "reward")),
         *limited,
+        *signals,
     ]
     arrays: list[tuple[str, tuple[int, ...], str]] = [
         *((name, (header.length, *shape), dtype) for name, shape, dtype in step),

@@ -2,27 +2,41 @@
 
 import json
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.digests import DIGEST, stamped, unstamped
 from sheath_manip.dataset.faults import Fault, FaultKind
-from sheath_manip.dataset.fields import MOST_STEPS, Fields, one_of, rows_of, whole, word
+from sheath_manip.dataset.fields import MOST_STEPS, Fields, one_of, rows_of, shown, whole, word
 from sheath_manip.dataset.naming import is_episode_name
 from sheath_manip.dataset.rooted_files import kind_of, read_inside
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.files.bounded_json import parse_json
 from sheath_manip.files.outputs import sync, written_aside
+from sheath_manip.printable import printable
 from sheath_manip.types import Episode, Outcome, Step
 
 SUFFIX = ".marks.json"
 FORMAT = "sheath-marks"
 SCHEMA = 1
 MOST_MARKS_BYTES = 4 << 20
+LONGEST_NOTE = 200
+"""letters"""
 _STEP = whole(0, MOST_STEPS)
 _OUTCOME = one_of(Outcome)
+
+
+@dataclass(frozen=True, order=True)
+class Note:
+    """What a person said of one step."""
+
+    step: int
+    text: str
+    """one line, not empty"""
 
 
 @dataclass(frozen=True)
@@ -33,6 +47,8 @@ class Marks:
     """how the episode ended in truth; None: as recorded"""
     bad: tuple[tuple[int, int], ...] = ()
     """stretches not to learn from, as (first step, first step after): sorted and apart"""
+    notes: tuple[Note, ...] = ()
+    """sorted by step, at most one of each"""
 
     def is_bad(self, length: int) -> NDArray[np.bool_]:
         """(length,) which steps are not to be learned from."""
@@ -44,6 +60,20 @@ class Marks:
     def bad_steps(self, length: int) -> int:
         """Return how many of `length` steps are not to be learned from, whatever headers claim."""
         return sum(min(stop, length) - min(start, length) for start, stop in self.bad)
+
+    def with_note(self, step: int, text: str) -> "Marks":
+        """Return these marks with `text` said of `step`, in place of what was; empty for nothing.
+
+        Raises ParameterError for a step below 0 and a text that is longer than `LONGEST_NOTE`.
+        """
+        text = " ".join(printable(text).split())
+        if step < 0 or len(text) > LONGEST_NOTE:
+            raise ParameterError(
+                f"the note has {len(text)} letters, at step {step}; wanted at most {LONGEST_NOTE}, "
+                "at a step from 0"
+            )
+        others = [each for each in self.notes if each.step != step]
+        return replace(self, notes=tuple(sorted([*others, *([Note(step, text)] * bool(text))])))
 
     def with_bad(self, start: int, stop: int) -> "Marks":
         """Return these marks with one more bad stretch; raises ParameterError for an empty one."""
@@ -106,14 +136,17 @@ def parse_marks(where: Path | str, content: bytes) -> Marks:
             raise ValueError(f"format {schema[0]!r}, schema {schema[1]}")
         outcome = fields.take("outcome", lambda told: None if told is None else _OUTCOME(told))
         stretches = fields.take("bad", rows_of(rows_of(_STEP, 2), MOST_STEPS))
+        notes = fields.take("notes", rows_of(_note, MOST_STEPS), absent=())
         fields.require_empty()
+        if any(one.step >= next.step for one, next in pairwise(notes)):
+            raise ValueError("wanted notes in order, one of a step")
         bad, last = [], -1
         for stretch in stretches:
             if len(stretch) != 2 or not last < stretch[0] < stretch[1]:
                 raise ValueError("wanted stretches in order and apart, none of them empty")
             bad.append(stretch)
             last = stretch[1]
-        return Marks(outcome, tuple(bad))
+        return Marks(outcome, tuple(bad), notes)
     except ValueError as error:
         raise StoreError(
             f"{where} holds no marks of schema {SCHEMA} ({error}); delete it, and mark the "
@@ -135,6 +168,9 @@ def write_marks(store: Path, name: str, marks: Marks) -> None:
 def marks_text(marks: Marks) -> str:
     """Return the marks as their file holds them."""
     fields = {"format": FORMAT, "schema": SCHEMA, "outcome": marks.outcome, "bad": marks.bad}
+    if marks.notes:
+        # What few have is written for those alone: older versions read the rest.
+        fields["notes"] = [[each.step, each.text] for each in marks.notes]
     return json.dumps(stamped(fields))
 
 
@@ -155,6 +191,15 @@ def marks_faults(store: Path, names: set[str]) -> list[Fault]:
         except StoreError as error:
             faults.append(Fault(entry.name, FaultKind.UNREADABLE, str(error)))
     return faults
+
+
+def _note(value: Any) -> Note:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"wanted a step and a text, found {shown(value)}")
+    step, text = _STEP(value[0]), word(value[1])
+    if not text or not text.isprintable() or len(text) > LONGEST_NOTE:
+        raise ValueError(f"wanted a line of at most {LONGEST_NOTE} letters, found {shown(text)}")
+    return Note(step, text)
 
 
 def _unlabelled(step: Step) -> Step:

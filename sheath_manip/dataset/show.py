@@ -35,6 +35,8 @@ def print_show(address: str, episode: str, console: Console) -> int:
     more = f" and {len(spans) - LISTED_INTERVENTIONS} more" * (len(spans) > LISTED_INTERVENTIONS)
     if marks.outcome is not None:
         facts.add_row("marked as", Text(marks.outcome))
+    for each in marks.notes:
+        facts.add_row(f"note at {each.step}", Text(each.text))
     if marks.bad:
         facts.add_row("marked bad", ", ".join(f"{a} .. {b - 1}" for a, b in marks.bad))
     facts.add_row("interventions", ", ".join(spans[:LISTED_INTERVENTIONS]) + more or "none")

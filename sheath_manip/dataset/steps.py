@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.broken_steps import broken_by_step
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, columns_of, header_of
-from sheath_manip.dataset.layout import Arrays, layout
+from sheath_manip.dataset.layout import LIMITED, SIGNALS, Arrays, layout
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Frames, Recorded
 from sheath_manip.dataset.space import Space
@@ -20,6 +20,7 @@ from sheath_manip.types import (
     GateDecision,
     Limited,
     Observation,
+    SignalScore,
     Step,
 )
 
@@ -74,7 +75,12 @@ def arrays_of(episode: Episode, header: Header) -> Mapping[str, Any]:
                 for camera in header.cameras
             },
             **{column: getattr(columns, column) for column in COLUMNS},
-            **({"limited": _limited(episode, header)} if header.limits else {}),
+            **({LIMITED: _limited(episode, header)} if header.limits else {}),
+            **(
+                {SIGNALS: np.stack([columns.signals[name] for name in header.signals], axis=1)}
+                if header.signals
+                else {}
+            ),
             **{
                 f"final/images/{camera}": np.asarray(final.images[camera])
                 for camera in header.cameras
@@ -109,7 +115,8 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
     times_s = arrays["time_s"].tolist()
     broken = broken_by_step(header.broken, header.length)
     waited_s = {wait.step: wait.waited_s for wait in header.waits}
-    limited = arrays["limited"].tolist() if header.limits else [[]] * header.length
+    limited = arrays[LIMITED].tolist() if header.limits else [[]] * header.length
+    signals = arrays[SIGNALS].tolist() if header.signals else [[]] * header.length
     steps = tuple(
         Step(
             observation=Observation(
@@ -129,6 +136,11 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
                 thresholds[t],
                 broken.get(t, ()),
                 waited_s.get(t, 0.0),
+                tuple(
+                    SignalScore(name, score, share)
+                    for name, (score, share) in zip(header.signals, signals[t], strict=True)
+                    if not math.isnan(score)
+                ),
             ),
             executed=arrays["executed"][t],
             reward=rewards[t],

@@ -20,6 +20,8 @@ class Boundary:
     """the threshold that a person may set, at least"""
     highest: float
     """and at most"""
+    minimum_hold_steps: int | None = None
+    """for which the expert acts at least; None: as the gate was made"""
 
     def at(self, threshold: float) -> "Boundary":
         """Return this boundary with another threshold, clamped.
@@ -53,6 +55,8 @@ class Adjustable:
         """Decide as the gate does."""
         boundary = self.dial.boundary
         self.gate.judge, self.gate.threshold = boundary.judge, boundary.threshold
+        if boundary.minimum_hold_steps is not None:
+            self.gate.minimum_hold_steps = boundary.minimum_hold_steps
         return self.gate.decide(observation, proposal)
 
 
@@ -61,12 +65,15 @@ def around(judge: Judge, threshold: float, scores: np.ndarray) -> Boundary:
 
     Without any it may be moved by as much as it is away from 0, at least 1.
     """
+    return Boundary(judge, threshold, *span_of(threshold, scores))
+
+
+def span_of(threshold: float, scores: np.ndarray) -> tuple[float, float]:
+    """Return the lowest and the highest threshold that a person may look at, as `around` says."""
     known = np.asarray(scores, float)[np.isfinite(scores)]
-    if known.size:
-        low, high = float(known.min()), float(known.max())
-        reach = 0.05 * max(high - low, 1e-6)
-        low, high = min(low, threshold) - reach, max(high, threshold) + reach
-    else:
+    if not known.size:
         reach = max(1.0, abs(threshold))
-        low, high = threshold - reach, threshold + reach
-    return Boundary(judge, threshold, low, high)
+        return threshold - reach, threshold + reach
+    low, high = float(known.min()), float(known.max())
+    reach = 0.05 * max(high - low, 1e-6)
+    return min(low, threshold) - reach, max(high, threshold) + reach

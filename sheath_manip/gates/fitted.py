@@ -1,16 +1,19 @@
 """What a gate knows once it is fitted: enough to judge a proposal, and to be saved."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig
+from sheath_manip.gates.held_out import HeldOut
 from sheath_manip.gates.progress import Progress
 from sheath_manip.policies.looking import look, seen_in
-from sheath_manip.protocols import PredictingPolicy, Reader, Signal
-from sheath_manip.types import Judgement, Observation, Proposal
+from sheath_manip.protocols import HasParts, PredictingPolicy, Reader, Signal
+from sheath_manip.types import Judgement, Observation, Proposal, Reason, SignalScore
 from sheath_manip.types.samples import Samples
 from sheath_manip.types.seen import Seen
 
@@ -41,6 +44,8 @@ class FittedGate:
     sources: Sources = field(default_factory=Sources)
     progress: Progress | None = None
     """how little the expert moves within a while; None where nobody asks for it"""
+    held_out: HeldOut = field(default_factory=HeldOut)
+    """how the held-out expert episodes score; empty where older versions fitted it"""
 
     @property
     def readers(self) -> tuple[Reader, ...]:
@@ -63,9 +68,21 @@ class FittedGate:
         measures = signal.measure(seen_in(observation, proposal, self.readers))
         score = float(signal.scores(measures)[0])
         # What is to blame takes as long as the score, and is of no interest above the threshold.
-        if score >= threshold:
-            return Judgement(score)
-        return Judgement(score, signal.blames(measures[0]))
+        blames = Reason.OUTSIDE if score >= threshold else signal.blames(measures[0])
+        return Judgement(score, blames, self._signal_scores(measures[0], score))
+
+    def _signal_scores(self, measures: NDArray, score: float) -> tuple[SignalScore, ...]:
+        """What the score is made of: no more than the numbers that were there already."""
+        if self._parts is not None:
+            return self._parts.signal_scores(measures)
+        if isnan(score):
+            return ()
+        return (SignalScore(self.config.signal, score, self.held_out.share(score)),)
+
+    @cached_property
+    def _parts(self) -> HasParts | None:
+        """The signal where it has parts: to ask a protocol takes longer than the scores do."""
+        return self.signal if isinstance(self.signal, HasParts) else None
 
     def scores_of(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) the scores of states as the policy saw them."""

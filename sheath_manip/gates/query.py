@@ -3,6 +3,8 @@
 Laskey et al. 2016, 'SHIV: Reducing supervisor burden in DAgger using support vectors' (ICRA).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from sheath_manip.gates.support import SupportGate
@@ -31,4 +33,4 @@ class QueryFilter:
         decision = self._support.decide(observation, proposal)
         outside = decision.actor is Actor.EXPERT
         acts = Actor.EXPERT if decision.reason is Reason.INVALID_PROPOSAL else Actor.POLICY
-        return GateDecision(acts, outside, decision.reason, decision.score, decision.threshold)
+        return replace(decision, actor=acts, query=outside)

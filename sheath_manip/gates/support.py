@@ -1,5 +1,7 @@
 """SHEATH's gate: inside the support of its training states the policy acts, outside the expert."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from sheath_manip.exceptions import ParameterError
@@ -71,9 +73,15 @@ class SupportGate:
         reason = self._reason(judgement)
         if reason is Reason.INSIDE:
             self._held = self._quiet = 0
-            return GateDecision(Actor.POLICY, self.query, reason, judgement.score, self.threshold)
+            return self._decided(Actor.POLICY, self.query, reason, judgement)
         self._held += 1
-        return GateDecision(Actor.EXPERT, True, reason, judgement.score, self.threshold)
+        return self._decided(Actor.EXPERT, True, reason, judgement)
+
+    def _decided(
+        self, actor: Actor, query: bool, reason: Reason, judgement: Judgement
+    ) -> GateDecision:
+        score, signals = judgement.score, judgement.signals
+        return GateDecision(actor, query, reason, score, self.threshold, signals=signals)
 
     def _judged(self, observation: Observation, proposal: Proposal) -> Judgement:
         try:
@@ -85,7 +93,9 @@ class SupportGate:
                 f"judge gave a {type(judgement).__name__}; wanted a Judgement, such as "
                 "Judgement(0.3)"
             )
-        return NO_SCORE if np.isnan(judgement.score) else judgement
+        if np.isnan(judgement.score):
+            return replace(NO_SCORE, signals=judgement.signals)
+        return judgement
 
     def _reason(self, judgement: Judgement) -> Reason:
         score = judgement.score

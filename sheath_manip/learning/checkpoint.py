@@ -15,6 +15,7 @@ from sheath_manip.files.outputs import written_aside
 from sheath_manip.files.plain_files import sha256_of
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.held_out import HeldOut
 from sheath_manip.gates.human import Person
 from sheath_manip.gates.making import make_gate
 from sheath_manip.gates.progress import Progress
@@ -154,6 +155,8 @@ def write_parts(
     signal = {} if fitted.signal is None else {"signal": fitted.signal.arrays()}
     if fitted.progress is not None:
         signal |= {"progress": fitted.progress.arrays()}
+    if fitted.held_out.episodes:
+        signal |= {"held_out": fitted.held_out.arrays()}
     with written_aside(path) as aside, aside.open("wb") as file:
         write_arrays(file, header, flatten({**learned, **signal}))
     return path
@@ -173,6 +176,7 @@ def fitted_in(header: Mapping[str, Any], policy: PredictingPolicy, arrays: Array
         return fitted
     if config.stuck_steps:
         fitted = replace(fitted, progress=Progress.load(subtree(arrays, "progress")))
+    fitted = replace(fitted, held_out=HeldOut.load(subtree(arrays, "held_out")))
     signal = make_signal(planned_signal(config))
     signal.attach(policy)
     return replace(fitted, signal=signal.load(subtree(arrays, "signal")))

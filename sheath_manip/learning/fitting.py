@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.held_out import HeldOut
 from sheath_manip.gates.progress import Progress
 from sheath_manip.policies.looking import look, look_to_fit
 from sheath_manip.protocols import Agreement, HasFloor, PredictingPolicy, Refits, Signal
@@ -123,8 +124,13 @@ def fit_to_looks(
     progress = Progress.of(expert, config.stuck_steps) if config.stuck_steps else None
     fitted = FittedGate(config, policy, signal, sources=sources, progress=progress)
     if previous is not None and not config.threshold.recalibrate:
-        kept = previous.threshold, previous.release_margin
-        return _checked(replace(fitted, threshold=kept[0], release_margin=kept[1]), len(measures))
+        kept = replace(
+            fitted,
+            threshold=previous.threshold,
+            release_margin=previous.release_margin,
+            held_out=HeldOut.of([signal.scores(each) for each in measures]),
+        )
+        return _checked(kept, len(measures))
     return _with_threshold(fitted, measures, looks.visited)
 
 
@@ -180,7 +186,10 @@ def _with_threshold(
     if config.release_rate > 0:
         release = or_reject_all(lambda: held_out_threshold(held_out, config.release_rate))
         margin = max(0.0, release - threshold)
-    return _checked(replace(fitted, threshold=threshold, release_margin=margin), len(measures))
+    found = replace(
+        fitted, threshold=threshold, release_margin=margin, held_out=HeldOut.of(held_out)
+    )
+    return _checked(found, len(measures))
 
 
 def _checked(fitted: FittedGate, held_out: int) -> FittedGate:

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.protocols.acting import Policy
-from sheath_manip.types import Observations, Proposal, Reason
+from sheath_manip.types import Observations, Proposal, Reason, SignalScore
 from sheath_manip.types.samples import Samples
-from sheath_manip.types.seen import Seen
+from sheath_manip.types.seen import Precedents, Seen
 
 Arrays = Mapping[str, NDArray]
 """The learned state of a component as plain arrays: what a checkpoint holds, with no code in it."""
@@ -181,6 +181,27 @@ class HasFloor(Protocol):
     @property
     def far_score(self) -> float:
         """The score infinitely far from all training states, below 0."""
+        ...
+
+
+@runtime_checkable
+class HasParts(Protocol):
+    """A signal, calibrated, that is made of several."""
+
+    def signal_scores(self, measures: NDArray) -> tuple[SignalScore, ...]:
+        """Return what each scores in one state, (p,), sorted by name; without NaNs."""
+        ...
+
+
+@runtime_checkable
+class HasPrecedents(Protocol):
+    """A signal, fitted, that compares a state with the single states that it was fitted to."""
+
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
+        """Return the training states nearest to one state, whatever was done there.
+
+        None where nothing can be compared, such as for a state that is not finite.
+        """
         ...
 
 

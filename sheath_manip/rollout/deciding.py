@@ -17,6 +17,7 @@ from sheath_manip.types import (
     Observation,
     Proposal,
     Reason,
+    SignalScore,
 )
 
 POLICY, GATE = "policy", "gate"
@@ -103,7 +104,8 @@ class GuardedGate:
         # A gate with a person in it has judged that inside, where the person can be asked.
         if watch is not None and watch.late and self.instead is Actor.EXPERT:
             late = self._other(Reason.TOO_LATE, Breakdown(GATE, LATE))
-            return replace(late, score=decision.score, threshold=decision.threshold)
+            score, threshold = decision.score, decision.threshold
+            return replace(late, score=score, threshold=threshold, signals=decision.signals)
         return decision
 
     def _decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
@@ -123,6 +125,8 @@ def kept_decision(decision: object) -> GateDecision:
         raise TypeError(f"wanted a GateDecision, got {type(decision).__name__}")
     if not all(isinstance(each, Breakdown) for each in decision.broken):
         raise TypeError("wanted what broke down as Breakdown")
+    if not all(isinstance(each, SignalScore) for each in decision.signals):
+        raise TypeError("wanted what the score is made of as SignalScore")
     if (
         isinstance(decision.score, float)
         and isinstance(decision.threshold, float)

@@ -8,6 +8,7 @@ of significance tests', lets one signal count more than another.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan
 from typing import Self
 
 import numpy as np
@@ -17,9 +18,17 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.readings import each_once
-from sheath_manip.protocols import Agreement, Arrays, PredictingPolicy, Reader, Refits, Signal
-from sheath_manip.types import Reason
-from sheath_manip.types.seen import Seen
+from sheath_manip.protocols import (
+    Agreement,
+    Arrays,
+    HasPrecedents,
+    PredictingPolicy,
+    Reader,
+    Refits,
+    Signal,
+)
+from sheath_manip.types import Reason, SignalScore
+from sheath_manip.types.seen import Precedents, Seen
 
 LEAST_SHARE = 1e-3
 """added to every p: a few thousand steps say no more of what is rarer"""
@@ -47,6 +56,10 @@ class Reference:
         spread = max(float(np.quantile(scores, TAIL)) - scores[0], 1e-12)
         shares = np.arange(len(scores) + 1) / len(scores)
         return cls(scores, spread, np.log(shares + LEAST_SHARE))
+
+    def share(self, score: float) -> float:
+        """Return the share of the m that is below `score`."""
+        return int(self.scores.searchsorted(score)) / len(self.scores)
 
     def log_share(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n,) the logarithm of the share of the m that is below each of (n,) `scores`."""
@@ -136,6 +149,21 @@ class JoinedSignal:
             name: self.weights[name] * self.references_[name].log_share(scores)
             for name, scores in zip(self.signals, measures.T, strict=True)
         }
+
+    def signal_scores(self, measures: NDArray) -> tuple[SignalScore, ...]:
+        """Return each signal's score in one state, (p,), sorted by name, with its share."""
+        by_name = sorted(zip(self.signals, measures.tolist(), strict=True))
+        return tuple(
+            SignalScore(name, score, self.references_[name].share(score))
+            for name, score in by_name
+            if not isnan(score)
+        )
+
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
+        """Return what the first of the signals that knows precedents says."""
+        known = (each for each in self.signals.values() if isinstance(each, HasPrecedents))
+        signal = next(known, None)
+        return None if signal is None else signal.nearest_states(seen, count)
 
     def blames(self, measures: NDArray) -> Reason:
         """Return the reason of the signal that finds the state rarest, however much it counts."""

@@ -10,7 +10,8 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader
-from sheath_manip.types.seen import Seen
+from sheath_manip.signals.nearest import nearest
+from sheath_manip.types.seen import Precedents, Seen
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024
@@ -58,6 +59,11 @@ class LabelledStates:
         for first in range(0, len(vectors), BATCH):
             rows = slice(first, first + BATCH)
             yield self._batch(vectors[rows], seen.actions[rows])
+
+    def nearest(self, seen: Seen, count: int) -> Precedents | None:
+        """Return the training states nearest to one state; None where it is not finite."""
+        vectors = self.embedding.transform(seen)
+        return nearest(vectors[0], self.vectors_, self.labels_, seen.actions[0], count)
 
     def arrays(self) -> Arrays:
         """The embedding's, the (m, d) vectors and the (m, a) labels."""

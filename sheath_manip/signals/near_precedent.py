@@ -21,8 +21,9 @@ from sheath_manip.protocols import (
     PredictingPolicy,
     Reader,
 )
+from sheath_manip.signals.nearest import nearest
 from sheath_manip.signals.single import SingleMeasure
-from sheath_manip.types.seen import Seen
+from sheath_manip.types.seen import Precedents, Seen
 
 # Rows compared at once: with 10,000 training states their distances take 40 MB.
 BATCH = 1024
@@ -79,6 +80,14 @@ class NearPrecedentSignal(SingleMeasure):
             self._distances(joined[first : first + BATCH]) for first in range(0, len(joined), BATCH)
         ]
         return -np.concatenate([np.empty(0), *parts])
+
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
+        """Return the training states nearest to one state; actions as the policy sees them."""
+        size = len(self.action_units_)
+        proposed = self._framed(seen.actions, seen.features)[0]
+        labels = self.joined_[:, -size:] / self.action_units_
+        state = self.unit_ * self.embedding.transform(seen)[0]
+        return nearest(state, self.joined_[:, :-size], labels, proposed, count)
 
     def arrays(self) -> Arrays:
         """The embedding's, the units, and the (n, d + a) states and labels in them."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sheath_manip.protocols import Agreement, Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
 from sheath_manip.signals.single import SingleMeasure
-from sheath_manip.types.seen import Seen
+from sheath_manip.types.seen import Precedents, Seen
 
 
 class PrecedentSignal(SingleMeasure):
@@ -42,6 +42,10 @@ class PrecedentSignal(SingleMeasure):
         """(n,) minus the distance: 0 on a training state, -inf without any precedent."""
         parts = [_score(compared) for compared in self.states.compared(seen)]
         return np.concatenate([np.empty(0), *parts])
+
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
+        """Return the training states nearest to one state."""
+        return self.states.nearest(seen, count)
 
     def arrays(self) -> Arrays:
         """Return the arrays of `LabelledStates`."""

@@ -16,7 +16,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Agreement, Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
 from sheath_manip.signals.single import SingleMeasure
-from sheath_manip.types.seen import Seen
+from sheath_manip.types.seen import Precedents, Seen
 
 RESOLUTION = 0.02
 """of the spread of the training states: closer ones are the same, so that of two copies with
@@ -63,6 +63,10 @@ class TrustSignal(SingleMeasure):
         """Return (n,) in -1..1: -1 with too few precedents, 1 with enough and no objection."""
         parts = [self._score(compared) for compared in self.states.compared(seen)]
         return np.concatenate([np.empty(0), *parts])
+
+    def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
+        """Return the training states nearest to one state."""
+        return self.states.nearest(seen, count)
 
     def arrays(self) -> Arrays:
         """Return the arrays of `LabelledStates`."""

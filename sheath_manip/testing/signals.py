@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sheath_manip.policies.looking import look, look_to_fit
-from sheath_manip.protocols import PredictingPolicy, Signal
+from sheath_manip.protocols import HasParts, HasPrecedents, PredictingPolicy, Signal
 from sheath_manip.testing.sentences import wants, wants_arrays, wants_close, wants_equal
 from sheath_manip.types import Reason
 from sheath_manip.types.samples import Samples
@@ -40,6 +40,23 @@ def check_signal(make: Callable[[], Signal], policy: PredictingPolicy, samples: 
         isinstance(signal.blames(measures[0]), Reason),
         "blames must give a Reason for one state's measures",
     )
+    if isinstance(signal, HasParts):
+        parts = signal.signal_scores(measures[0])
+        named = [each.signal for each in parts]
+        wants(named == sorted(set(named)), "signal_scores must be sorted by name, each once")
+        wants(
+            all(0 <= each.share <= 1 for each in parts),
+            "the share of expert steps that score lower must lie in 0..1",
+        )
+    if isinstance(signal, HasPrecedents):
+        found = signal.nearest_states(look(policy, samples.take(np.array([0])), readers), 3)
+        if found is not None:
+            wants(
+                len(found.indices) == min(3, len(samples)) and found.total == len(samples),
+                "nearest_states must give as many of the training states as were asked for",
+            )
+            wants(bool((np.diff(found.distances) >= 0).all()), "the nearest must come first")
+            wants(float(found.distances[0]) < 1e-2, "a training state must be nearest to itself")
     loaded = make().load(wants_arrays(signal))
     wants_equal(
         loaded.scores(loaded.measure(look(policy, samples, loaded.attach(policy)))),

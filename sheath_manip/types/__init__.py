@@ -15,6 +15,7 @@ from sheath_manip.types.step import (
     Observations,
     Proposal,
     Reason,
+    SignalScore,
     Step,
     Transition,
 )
@@ -45,6 +46,7 @@ __all__ = [
     "Reason",
     "SceneGeom",
     "ScenePose",
+    "SignalScore",
     "Step",
     "Surface",
     "TaskSpec",

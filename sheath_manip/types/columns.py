@@ -1,13 +1,13 @@
 """The steps of an episode by column: what samples, counts, stores and figures are selections of."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.types.spec import Action
-from sheath_manip.types.step import Actor, Reason, Step
+from sheath_manip.types.step import Actor, GateDecision, Reason, Step
 
 ACTORS = tuple(Actor)
 """in the order of `Columns.actor`, whose numbers are places in it"""
@@ -56,6 +56,8 @@ class Columns:
     """(T,) whether somebody else than the policy acted, though there was one"""
     waited_s: NDArray[np.float64]
     """(T,) for how long a simulation stood still before the step, until a person came or not"""
+    signals: Mapping[str, NDArray[np.float64]]
+    """(T, 2) by signal: its score, and its share among expert steps; NaN where it has none"""
 
     @classmethod
     def of(cls, steps: Sequence[Step], driven: bool) -> "Columns":
@@ -85,6 +87,7 @@ class Columns:
             limited=np.array([bool(step.limited) for step in steps], bool),
             intervention=np.array([intervened(step, driven) for step in steps], bool),
             waited_s=np.array([decision.waited_s for decision in decisions], np.float64),
+            signals=_by_signal(decisions),
         )
 
     def __len__(self) -> int:
@@ -135,6 +138,16 @@ def stacked(rows: Sequence[NDArray]) -> NDArray:
     if len({row.shape for row in rows}) != 1:
         raise ValueError("all must have the same shape")
     return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
+
+
+def _by_signal(decisions: Sequence[GateDecision]) -> dict[str, NDArray[np.float64]]:
+    """(T, 2) by the name of each signal that any decision names, sorted."""
+    named = {each.signal for decision in decisions for each in decision.signals}
+    columns = {name: np.full((len(decisions), 2), np.nan) for name in sorted(named)}
+    for at, decision in enumerate(decisions):
+        for each in decision.signals:
+            columns[each.signal][at] = each.score, each.share
+    return columns
 
 
 def _filled(actions: Sequence[Action | None], size: int) -> NDArray:

@@ -30,3 +30,19 @@ class Seen:
         """(n, d) what these readers took, side by side."""
         taken = [self.readings[reader] for reader in readers]
         return taken[0] if len(taken) == 1 else np.concatenate(taken, axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Precedents:
+    """The k training states that are nearest to a state, the nearest first."""
+
+    indices: NDArray[np.int64]
+    """(k,) places among the m training states, in the order of the fit"""
+    distances: NDArray[np.float64]
+    """(k,) in the embedding, in units of the training states' spread around their middle"""
+    labels: NDArray[np.float32]
+    """(k, a) what the expert did there"""
+    proposed: NDArray[np.float32]
+    """(a,) what the policy proposes, in the frame of the labels"""
+    total: int
+    """m"""

@@ -62,6 +62,8 @@ class ActionSpec:
     tolerance: float = 0.0
     """by which share of its range each dimension of two actions may differ and they still count as
     the same; 0 where the space is discrete"""
+    choice_words: tuple[str, ...] = ()
+    """k, each of the choices as a person says it, such as `go left`; empty where nobody said"""
 
     @property
     def span(self) -> NDArray[np.float32]:

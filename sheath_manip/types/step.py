@@ -133,6 +133,18 @@ class Proposal:
         return self.actions if self.actions.ndim == 2 else self.actions[:, 0]
 
 
+@dataclass(frozen=True, order=True)
+class SignalScore:
+    """One signal's score of a step, and how it lies among those of the expert's own steps."""
+
+    signal: str
+    """such as `support`; a step names each at most once"""
+    score: float
+    """the higher the safer; no NaN: a signal that has nothing to say is not named"""
+    share: float
+    """0..1 of held-out expert steps that score lower; NaN where no such steps are known"""
+
+
 @dataclass(frozen=True)
 class Judgement:
     """A judgement: what a signal says of a state and of what the policy proposes there."""
@@ -141,6 +153,8 @@ class Judgement:
     """the higher the safer, to be held against a threshold; NaN where there is none"""
     blames: Reason = Reason.OUTSIDE
     """why the expert takes over where the score is below the threshold"""
+    signals: tuple[SignalScore, ...] = ()
+    """what the score is made of, sorted by name"""
 
 
 @dataclass(frozen=True, order=True)
@@ -170,6 +184,8 @@ class GateDecision:
     """what broke down in this step, in that order"""
     waited_s: float = 0.0
     """for a person, before this step: the simulation stood still meanwhile, so it is no step"""
+    signals: tuple[SignalScore, ...] = ()
+    """what the score is made of, sorted by name; empty where the gate computes none"""
 
 
 @dataclass(frozen=True, order=True)

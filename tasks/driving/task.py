@@ -123,6 +123,7 @@ class DrivingTask(SheathTask):
                 minimum=np.array([-STEERING_RAD], np.float32),
                 maximum=np.array([STEERING_RAD], np.float32),
                 choices=np.array([[-STEERING_RAD], [0.0], [STEERING_RAD]], np.float32),
+                choice_words=("go right", "go straight", "go left"),
             ),
             cameras={"overhead": self._overhead.shape},
             feature_names=("x_m", "y_m", "heading_rad"),

@@ -15,8 +15,9 @@ from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
-from sheath_manip.dashboard.widgets.threshold import NuSlider, ThresholdSlider
-from sheath_manip.dataset.marks import Marks
+from sheath_manip.dashboard.widgets.nu import NuSlider
+from sheath_manip.dashboard.widgets.what_if import WhatIf
+from sheath_manip.dataset.marks import Marks, Note
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial
 from sheath_manip.gates.support import SupportGate
@@ -163,7 +164,69 @@ def test_replay_scrubs_jumps_marks_and_exports(
     assert page.locator("b").count() == 0
 
 
-def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
+def test_clicks_and_keys_move_in_time(
+    browser_page: Page, replay: Replay, store: EpisodeStore
+) -> None:
+    page, player = browser_page, replay.player
+    open_dashboard(page, replay.address)
+    page.wait_for_function("window.sheathSeek?.open")
+    page.get_by_text("who acted and why").wait_for()
+
+    def at(step: int, what: str, playing: bool = False) -> None:
+        there = lambda: (player.now.at, player.now.playing) == (step, playing)  # noqa: E731
+        wait_until(there, what, page)
+
+    # While it plays, what is to be clicked is made anew all the time.
+    page.keyboard.press("k")
+    wait_until(lambda: not player.now.playing, "standing at first", page)
+    page.wait_for_timeout(500)
+    strip = page.locator("[data-sheath-span]")
+    box = strip.bounding_box()
+    assert box is not None
+    strip.click(position={"x": box["width"] * (20.5 / STEPS), "y": box["height"] / 2})
+    at(20, "click on the timeline")
+    plot = page.locator(".u-over")
+    box = plot.bounding_box()
+    assert box is not None
+    # The plot is as wide as an episode may be long, and shows the present in its middle.
+    plot.click(position={"x": box["width"] * (0.5 + 10.5 / SPEC.max_steps), "y": 20})
+    at(30, "click on the plot")
+    for key, step in (("ArrowLeft", 29), ("Shift+ArrowRight", 39), ("Home", 0), ("End", 59)):
+        page.keyboard.press(key)
+        at(step, key)
+    page.keyboard.press("j")
+    wait_until(lambda: player.now.backwards and player.now.at < 55, "playing backwards", page)
+    page.keyboard.press("k")
+    wait_until(lambda: not player.now.playing, "standing", page)
+    page.keyboard.press("Home")
+    page.keyboard.press("l")
+    page.keyboard.press("l")
+    wait_until(lambda: player.now.playing and player.now.speed == 2.0, "playing faster", page)
+    page.keyboard.press(" ")
+    wait_until(lambda: not player.now.playing, "standing again", page)
+    page.keyboard.press("Home")
+    starts = [start for start, _ in player.now.film.trace.so_far().turns]
+    page.keyboard.press("ArrowDown")
+    at(next(each for each in starts if each > 0), "the next intervention")
+
+    page.keyboard.press("m")
+    # What is typed into the note moves nothing.
+    page.keyboard.type("jk <b>slips</b>")
+    page.keyboard.press("Enter")
+    name, step = store.names()[0], player.now.at
+    noted = (Note(step, "jk <b>slips</b>"),)
+    wait_until(lambda: store.marks(name).notes == noted, "note in the store", page)
+    page.get_by_role("tab", name="Marks").click()
+    page.keyboard.press("End")
+    row = page.get_by_text(f"step {step + 1}: jk <b>slips</b>")
+    row.click()
+    at(step, "click on the note")
+    page.get_by_role("tab", name="Episodes").click()
+    page.locator('[data-sheath-episode="1"]').click()
+    wait_until(lambda: player.now.place == 1, "click on an episode", page)
+
+
+def test_the_threshold_changes_who_acts_once_it_is_applied(browser_page: Page) -> None:
     page, environment = browser_page, EndlessRoad()
     dial = Dial(Boundary(always(0.5), threshold=0.0, lowest=-1.0, highest=1.0))
     fitted: list[tuple[float, str]] = []
@@ -173,7 +236,7 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
         return Boundary(always(-2.0), threshold=-0.5, lowest=-3.0, highest=3.0)
 
     gate = (
-        partial(ThresholdSlider, dial=dial),
+        partial(WhatIf, dial=dial),
         partial(NuSlider, dial=dial, refit=refit, nu=0.1),
     )
     info = EpisodeInfo(SPEC.name, 1, Purpose.LEARNING, SPEC.control_rate_hz, method="sheath")
@@ -202,20 +265,25 @@ def test_threshold_slider_changes_who_acts(browser_page: Page) -> None:
         run = threading.Thread(target=run_episode, daemon=True)
         run.start()
         open_dashboard(page, dashboard.address)
-        page.get_by_role("tab", name="Support").click()
+        page.get_by_role("tab", name="What if").click()
         wait_until(lambda: acts(Actor.POLICY, 0.0), "policy", page)
         slider(page, 0).press("End")
+        page.get_by_text("100.0%").wait_for()
+        assert acts(Actor.POLICY, 0.0), "a preview moves nothing"
+        apply = page.get_by_role("button", name="Apply")
+        apply.click()
         wait_until(lambda: acts(Actor.EXPERT, 1.0), "expert after the threshold rose", page)
         page.get_by_text("Expert acts").wait_for()
         # While somebody drives, who watches moves nothing.
         assert cockpit.order(Order.TAKE_OVER, "somebody")
         slider(page, 0).press("Home")
+        apply.click()
         page.wait_for_timeout(300)
         assert acts(Actor.EXPERT, 1.0)
         assert cockpit.order(Order.HAND_BACK, "somebody")
-        slider(page, 0).press("Home")
+        apply.click()
         wait_until(lambda: acts(Actor.POLICY, -1.0), "policy after the threshold fell", page)
-        slider(page, 1).press("ArrowRight")
+        slider(page, 3).press("ArrowRight")
         wait_until(lambda: acts(Actor.EXPERT, -0.5), "the refitted support's gate", page)
         assert fitted == [(pytest.approx(0.105), "support refit")]
         environment.enough.set()

@@ -18,6 +18,7 @@ from sheath_manip.types import (
     Outcome,
     Purpose,
     Reason,
+    SignalScore,
     Step,
     TaskSpec,
 )
@@ -31,6 +32,9 @@ limited = st.dictionaries(any_text, st.floats(allow_nan=False), max_size=3).map(
     lambda by: tuple(Limited(*pair) for pair in sorted(by.items()))
 )
 breakdowns = st.builds(Breakdown, st.sampled_from(["policy", "gate"]), any_text)
+signals = st.dictionaries(
+    any_text, st.tuples(st.floats(allow_nan=False), any_float), max_size=3
+).map(lambda scores: tuple(SignalScore(name, *scores[name]) for name in sorted(scores)))
 camera_names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,8}", fullmatch=True)
 infos = st.builds(
     EpisodeInfo,
@@ -74,6 +78,7 @@ def episodes(draw: st.DrawFn) -> Episode:
         any_float,
         any_float,
         st.lists(breakdowns, max_size=2).map(tuple),
+        signals,
     )
     step = st.builds(
         Step,

@@ -9,7 +9,7 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.exchange.selection import ActionChoice, Selection, selected
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.mapped import mapped_samples
-from sheath_manip.dataset.marks import Marks
+from sheath_manip.dataset.marks import LONGEST_NOTE, Marks, Note, parse_marks
 from sheath_manip.dataset.merging import merge
 from sheath_manip.dataset.show import print_show
 from sheath_manip.dataset.store import EpisodeStore
@@ -45,6 +45,29 @@ def test_marks_lie_beside_an_episode_that_stays(store: EpisodeStore) -> None:
     assert summary.bad_steps == 2
     store.mark(name, Marks())
     assert [entry.name for entry in store.path.glob("*.marks.json")] == []
+
+
+def test_a_note_of_a_step_is_kept_and_can_be_taken_away(store: EpisodeStore) -> None:
+    name = store.append(episode_of("peepp"))
+    marks = Marks().with_note(3, " slips\x1b[2J\n here ").with_note(1, "touches")
+    assert marks.notes == (Note(1, "touches"), Note(3, "slips\\x1b[2J here"))
+    store.mark(name, marks)
+    assert store.marks(name) == marks
+    assert check(store) == []
+    assert marks.with_note(1, " ").notes == marks.notes[1:]
+    assert marks.with_note(3, "holds").notes[1] == Note(3, "holds")
+    for step, text in ((-1, "before"), (0, "x" * (LONGEST_NOTE + 1))):
+        with pytest.raises(ParameterError, match="the note has"):
+            Marks().with_note(step, text)
+
+
+@pytest.mark.parametrize("notes", [[[1, ""]], [[2, "a"], [1, "b"]], [[1, "a\n"]], [[-1, "a"]], [1]])
+def test_notes_that_are_none_are_a_fault(notes: list) -> None:
+    text = json.dumps(
+        {"format": "sheath-marks", "schema": 1, "outcome": None, "bad": [], "notes": notes}
+    )
+    with pytest.raises(StoreError, match="no marks"):
+        parse_marks("a file", text.encode())
 
 
 def test_marks_beyond_the_episode_are_refused(store: EpisodeStore) -> None:

@@ -14,7 +14,7 @@ from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Episode, Limited, Purpose
+from sheath_manip.types import Episode, Limited, Purpose, SignalScore
 from tests.dataset.seals import unseal
 from tests.dataset.tiny_episodes import INFO, tiny
 from tools.identical import identical
@@ -90,6 +90,27 @@ class TestReading:
             finally:
                 writer.kill()
         assert not [fault for fault in check(store) if fault.damaging]
+
+
+class TestSignals:
+    def judged(self) -> Episode:
+        episode = tiny(INFO)
+        first, second = episode.steps
+        scores = (SignalScore("precedent", -0.5, 0.02), SignalScore("support", 0.25, np.nan))
+        judged = replace(first, decision=replace(first.decision, signals=scores))
+        return replace(episode, steps=(judged, second))
+
+    def test_what_a_score_is_made_of_is_kept(self, store: EpisodeStore) -> None:
+        name = store.append(self.judged())
+        assert zarr.open_array(store.path / name, path="signals", mode="r").shape == (2, 2, 2)
+        assert identical(store.read(name), self.judged())
+        assert store.read(name).columns.signals["precedent"][0].tolist() == [-0.5, 0.02]
+
+    def test_an_episode_of_before_this_was_recorded_opens(self, store: EpisodeStore) -> None:
+        name = store.append(tiny(INFO))
+        assert "signals" not in (store.path / name / "zarr.json").read_text()
+        assert store.read(name).steps[0].decision.signals == ()
+        assert check(store) == []
 
 
 class TestLimits:

@@ -8,6 +8,7 @@ import pytest
 from sheath_manip.exceptions import CheckpointError, ParameterError
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import FittedGate, Sources
+from sheath_manip.gates.held_out import HeldOut
 from sheath_manip.gates.human import HumanGate, Nobody
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint, digest, load_checkpoint
@@ -33,6 +34,7 @@ CONFIG = GateConfig(
     labels="own",
 )
 GATE = CONFIG.described()
+HELD_OUT = HeldOut.of([np.array([0.5, np.nan, -0.25]), np.array([0.1])])
 
 
 def fitted_to(
@@ -41,7 +43,7 @@ def fitted_to(
     signal = fitted_signal(make_signal(planned_signal(config)), policy, states)
     signal.calibrate([measures_of(signal, policy, usual)])
     sources = Sources(("expert-0",), ("expert-1", "expert-2"))
-    return FittedGate(config, policy, signal, -0.01, 0.005, sources)
+    return FittedGate(config, policy, signal, -0.01, 0.005, sources, held_out=HELD_OUT)
 
 
 def checkpoint_of(policy_name: str, embedding_name: str, signal: str = "support") -> Checkpoint:
@@ -107,7 +109,9 @@ def test_what_is_loaded_is_what_was_saved(policy, embedding, signal, tmp_path):
     )
     parts = {"policy": None, "fitted": None}
     assert {**vars(loaded), **parts} == {**vars(saved), **parts}
-    parts = {"policy": None, "signal": None}
+    parts = {"policy": None, "signal": None, "held_out": None}
+    for kept, was in zip(loaded.fitted.held_out.episodes, HELD_OUT.episodes, strict=True):
+        np.testing.assert_array_equal(kept, was)
     assert {**vars(loaded.fitted), **parts} == {**vars(saved.fitted), **parts}
     assert loaded.fitted.policy is loaded.policy
 

@@ -82,7 +82,8 @@ def _row(number: int, summary: EpisodeSummary, is_on: bool) -> str:
     colour = palette.css(palette.OUTCOME[summary.outcome])
     background = "background:#80808030;font-weight:600" if is_on else ""
     return (
-        f'<tr style="{background}"><td>{number}</td><td style="{_LEFT}">{who}</td>'
+        f'<tr data-sheath-episode="{number}" style="{background}">'
+        f'<td>{number}</td><td style="{_LEFT}">{who}</td>'
         f"<td>{info.round}</td><td>{summary.length}</td><td>{summary.expert_share:.0%}</td>"
         f'<td style="color:{colour}">{escape(summary.outcome.value)}{"*" * marked}</td></tr>'
     )

@@ -81,9 +81,14 @@ class Marking:
 
 def _said(marks: Marks, begun: int | None) -> str:
     # Counted from 1, as in all that the page says.
+    noted = "".join(
+        f'<div data-sheath-step="{each.step}">step {each.step + 1}: {escape(each.text)}</div>'
+        for each in marks.notes
+    )
+    notes = f'<div style="{TEXT}"><b>Notes</b> (M){noted}</div>' if noted else note("M: a note")
     lines = [f"steps {start + 1} .. {stop}" for start, stop in marks.bad]
     if begun is not None:
         lines.append(f"from step {begun + 1} to … (go on, then '{END}')")
     if not lines:
-        return note("no bad stretch: all labels of the episode are learned from")
-    return f'<div style="{TEXT}">not learned from: {escape(", ".join(lines))}</div>'
+        return notes + note("no bad stretch: all labels of the episode are learned from")
+    return notes + f'<div style="{TEXT}">not learned from: {escape(", ".join(lines))}</div>'

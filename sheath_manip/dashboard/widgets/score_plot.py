@@ -43,6 +43,7 @@ class ScorePlot:
         window_s = steps / spec.control_rate_hz
         gui.add_html(caption("Support score", "threshold dashed; shaded: the policy does not act"))
         self._no_score = gui.add_html("")
+        self._span = gui.add_html("", visible=False)
         self._scores = gui.add_uplot(
             (np.zeros(1),) * 6,
             (
@@ -79,11 +80,15 @@ class ScorePlot:
         trace = snapshot.trace.until(snapshot.at + 1 + self._after)
         score = trace.score[first:]
         scored = bool(np.isfinite(score).any())
-        self._scores.visible, self._no_score.visible = scored, not scored
+        self._scores.visible = self._span.visible = scored
+        self._no_score.visible = not scored
         self._no_score.content = note(
             NO_SCORE.format(method=escape(snapshot.info.method)) if len(trace) else NO_STEP
         )
         if scored:
+            # What a click on the plot means.
+            first_shown, shown = snapshot.at - self._before, self._before + self._after
+            self._span.content = f'<div data-sheath-plot="{first_shown} {shown}"></div>'
             now = np.arange(first, len(trace)) == snapshot.at
             columns: tuple[NDArray, ...] = (
                 trace.time_s[first:] - trace.time_s[snapshot.at],

@@ -25,7 +25,7 @@ class Timeline:
 
     def __init__(self, context: WidgetContext) -> None:
         self._rate_hz = context.spec.control_rate_hz
-        context.viser.gui.add_html(caption("Timeline", "who acted and why"))
+        context.viser.gui.add_html(caption("Timeline", "who acted and why; click to look there"))
         self._strip = context.viser.gui.add_html("")
 
     def draw(self, snapshot: Snapshot) -> None:
@@ -40,7 +40,8 @@ def _strip(snapshot: Snapshot, rate_hz: float) -> str:
     steps = max(steps, 1)
     mark = 100 * (snapshot.at + 1) / steps
     return (
-        f'<div style="{TEXT}"><div style="position:relative;padding-top:6px">'
+        f'<div style="{TEXT}">'
+        f'<div data-sheath-span="0 {steps}" style="position:relative;padding-top:6px">'
         f'<div style="height:18px;border-radius:3px;background:{_turns(trace, steps)}"></div>'
         f'<div style="height:4px;margin-top:2px;background:{_limits(trace, steps)}"></div>'
         f'<div style="position:absolute;top:0;left:{mark:.2f}%;width:2px;height:30px;'

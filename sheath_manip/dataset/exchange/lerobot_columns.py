@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.exchange.actions import REQUESTED, chosen, requested
 from sheath_manip.dataset.exchange.lerobot import feature_name
 from sheath_manip.dataset.exchange.selection import ActionChoice
-from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.layout import LIMITED, SIGNALS, layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.types import Outcome
 
@@ -23,10 +23,10 @@ def columns_of(recorded: Recorded, action: ActionChoice) -> dict[str, NDArray]:
     named = {
         feature_name(spec.path): arrays[spec.path]
         for spec in layout(header)
-        if not spec.path.startswith("final/") and spec.path != "limited"
+        if not spec.path.startswith("final/") and spec.path not in (LIMITED, SIGNALS)
     }
-    # Its frames are all alike, but only the limits that acted in an episode have a column there.
-    named["limited"] = _largest(arrays["limited"]) if header.limits else np.full(len(last), np.nan)
+    # Its frames are all alike, but an episode has columns for its own limits and signals alone.
+    named[LIMITED] = _largest(arrays[LIMITED]) if header.limits else np.full(len(last), np.nan)
     named["action"] = chosen(recorded, action)
     named[REQUESTED] = requested(recorded)
     named["next.terminated"] = last & header.terminated

@@ -115,8 +115,9 @@ class LeRobotDirectory:
         for entry, attributes in zip(self._index.entries, told, strict=True):
             self._require_rows(entry)
             if isinstance(attributes, dict):
-                # By how much each limit changed the command is not kept, only the largest.
-                attributes |= {"limits": []}
+                # By how much each limit changed the command is not kept, only the largest; what a
+                # score was made of is not kept.
+                attributes |= {"limits": [], "signals": []}
             header = from_attributes(f"episode {entry.number} of {self.path}", attributes)
             if header.length != entry.length:
                 raise StoreError(f"{HEADERS} and the index tell of other lengths")

@@ -10,11 +10,11 @@ from sheath_manip.dataset.attributes import from_attributes
 from sheath_manip.dataset.exchange import zarr2, zarr3
 from sheath_manip.dataset.exchange.limits import Limits, stored_bytes
 from sheath_manip.dataset.exchange.plain_tree import FolderTree, PlainTree, ZipTree, read_json
-from sheath_manip.dataset.exchange.replay_buffer_writing import ATTRIBUTE, DIGESTS, LIMITED, flat
+from sheath_manip.dataset.exchange.replay_buffer_writing import ATTRIBUTE, DIGESTS, flat
 from sheath_manip.dataset.exchange.sealing import require_digest
 from sheath_manip.dataset.exchange.track import DefaultKeys, Track, one_line
 from sheath_manip.dataset.exchange.zarr_array import ZarrArray
-from sheath_manip.dataset.layout import layout
+from sheath_manip.dataset.layout import LIMITED, SIGNALS, layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.exceptions import StoreError
 
@@ -109,7 +109,7 @@ class ReplayBufferFile:
     def _ours(self, ours: Any) -> Iterator[Recorded]:
         with one_line(self.path, "a ReplayBuffer of sheath-manip"):
             attributes = list(ours["episodes"])
-            limits = list(ours["limits"])
+            every = {LIMITED: list(ours["limits"]), SIGNALS: list(ours.get("signals", ()))}
             digests = list(ours.get(DIGESTS, [None] * len(attributes)))
         if not len(attributes) == len(digests) == len(self._stops):
             raise StoreError(
@@ -128,10 +128,11 @@ class ReplayBufferFile:
                     arrays[spec.path] = self._read("meta", flat(spec.path), number, number + 1)[0]
                 else:
                     arrays[spec.path] = self._read("data", flat(spec.path), start, stop)
-            if header.limits:
-                with one_line(self.path, "the limits of every episode"):
-                    columns = [limits.index(limit) for limit in header.limits]
-                    arrays[LIMITED] = arrays[LIMITED][:, columns]
+            for path, names in ((LIMITED, header.limits), (SIGNALS, header.signals)):
+                if names:
+                    with one_line(self.path, f"the columns of {path} of every episode"):
+                        columns = [every[path].index(name) for name in names]
+                        arrays[path] = arrays[path][:, columns]
             recorded = Recorded(header, arrays)
             require_digest(f"episode {number} of {self.path}", recorded, digests[number])
             yield recorded

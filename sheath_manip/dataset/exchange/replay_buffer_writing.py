@@ -17,13 +17,12 @@ from sheath_manip.dataset.exchange.sealing import digest_of
 from sheath_manip.dataset.exchange.selection import ActionChoice
 from sheath_manip.dataset.exchange.uniform import uniform
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.layout import FRAMES_PER_CHUNK, layout
+from sheath_manip.dataset.layout import FRAMES_PER_CHUNK, LIMITED, SIGNALS, layout
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.types import Outcome
 
 ATTRIBUTE = "sheath"
 DIGESTS = "digests"
-LIMITED = "limited"
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 """The earliest that a zip can tell: the same episodes shall make the same file."""
 
@@ -42,18 +41,19 @@ def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoi
     data, meta = (_Columns(root.create_group(name)) for name in ("data", "meta"))
     headers: list[Header] = []
     digests: list[str] = []
-    limited: list[NDArray | None] = []
+    own: dict[str, list[NDArray | None]] = {LIMITED: [], SIGNALS: []}
     ends, finals = [0], defaultdict[str, list[NDArray]](list)
     for recorded in uniform(episodes):
         header, arrays = recorded.header, recorded.arrays
         for spec in layout(header):
             if spec.path.startswith("final/"):
                 finals[flat(spec.path)].append(arrays[spec.path])
-            elif spec.path != LIMITED:
+            elif spec.path not in own:
                 data.append(flat(spec.path), arrays[spec.path])
         data.append("action", chosen(recorded, action))
         data.append(REQUESTED, requested(recorded))
-        limited.append(arrays.get(LIMITED))
+        for path, values in own.items():
+            values.append(arrays.get(path))
         finals["terminated"].append(np.array(header.terminated))
         finals["truncated"].append(np.array(header.truncated))
         finals["success"].append(np.array(header.outcome is Outcome.SUCCESS))
@@ -63,26 +63,38 @@ def _write_folder(folder: Path, episodes: Iterable[Recorded], action: ActionChoi
     meta.append("episode_ends", np.array(ends[1:], np.int64))
     for name, values in finals.items():
         meta.append(name, np.stack(values))
-    limits = sorted({limit for header in headers for limit in header.limits})
-    if limits:
-        data.append(LIMITED, _common(headers, limited, limits))
+    named = {
+        LIMITED: [header.limits for header in headers],
+        SIGNALS: [header.signals for header in headers],
+    }
+    every = {
+        path: sorted({name for names in each for name in names}) for path, each in named.items()
+    }
+    for path, names in every.items():
+        if names:
+            data.append(path, _common(named[path], own[path], names, headers))
     root.attrs[ATTRIBUTE] = {
         "action": action.value,
-        "limits": limits,
+        "limits": every[LIMITED],
+        "signals": every[SIGNALS],
         "episodes": [to_attributes(header) for header in headers],
         DIGESTS: digests,
     }
 
 
 def _common(
-    headers: list[Header], limited: list[NDArray | None], limits: list[str]
+    named: list[tuple[str, ...]],
+    own: list[NDArray | None],
+    every: list[str],
+    headers: list[Header],
 ) -> NDArray[np.float64]:
-    """(N, l): each episode names only the limits that acted in it."""
+    """(N, l, ...): each episode names only the columns that it has."""
+    width = next(values.shape[2:] for values in own if values is not None)
     parts = []
-    for header, values in zip(headers, limited, strict=True):
-        part = np.full((header.length, len(limits)), np.nan)
+    for names, values, header in zip(named, own, headers, strict=True):
+        part = np.full((header.length, len(every), *width), np.nan)
         if values is not None:
-            part[:, [limits.index(limit) for limit in header.limits]] = values
+            part[:, [every.index(name) for name in names]] = values
         parts.append(part)
     return np.concatenate(parts)
 
