@@ -134,8 +134,8 @@ class Dashboard(Closes):
             self._film.end(episode)
             share = Share.of(self._film.trace.so_far())
             self._tally.end(episode.info, share, episode.outcome)
-        self.cockpit.between.note_episode(runs=False)
             self._scored = (*self._scored, scored(self._film))[-MOST_SCORED:]
+        self.cockpit.between.note_episode(runs=False)
         self._drawer.wake()
 
     def pause(self) -> None:
