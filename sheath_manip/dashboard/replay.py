@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import viser
 
+from sheath_manip.burden import StepCounts
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.drawer import Drawer
@@ -12,7 +13,6 @@ from sheath_manip.dashboard.page import Page
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import snapshot_of
-from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dashboard.widgets.export import Exporting
 from sheath_manip.playback.film import Film
@@ -91,7 +91,7 @@ class Replay(Closes):
         snapshot = snapshot_of(
             now.film,
             now.at,
-            series=Share(),
+            series=StepCounts(),
             outcomes=self._catalog.outcomes,
             training=self._training,
             paused=not now.playing,

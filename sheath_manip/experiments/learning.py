@@ -169,6 +169,7 @@ def _summary(
         wall_s,
         environment.spec.metric,
         baseline_figures(study, runs),
+        environment.spec.control_rate_hz,
     )
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from sheath_manip.dashboard.markup import note
 from sheath_manip.dashboard.snapshot import snapshot_of
-from sheath_manip.dashboard.tally import Share
+from sheath_manip.burden import StepCounts
 from sheath_manip.dashboard.widgets.learning import LearningCurves
 from sheath_manip.dashboard.widgets.score_plot import NO_SCORE, NO_STEP, ScorePlot
 from sheath_manip.gates import AlwaysExpert
@@ -47,7 +47,7 @@ def drawn(kind, spec, film, at, results=()) -> list[str]:
     snapshot = snapshot_of(
         film,
         at,
-        series=Share(),
+        series=StepCounts(),
         outcomes={},
         training=None,
         paused=False,
