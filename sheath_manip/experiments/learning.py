@@ -95,7 +95,7 @@ def run_experiment(
         if name not in known:
             raise UnknownNameError("figure", name, known)
     for name in plan.comparison.methods:
-        follows = method_named(name).share_from
+        follows = method_named(name).burden_from
         if follows is not None and follows not in plan.comparison.methods:
             raise ParameterError(f"method {name} follows {follows}: add {follows} to the methods")
     plan = with_final_variant(task, plan)
@@ -136,9 +136,9 @@ def _next_jobs(done: Job | BaselineJob) -> list[Job | BaselineJob]:
     plan = done.plan
     methods = [method_named(name) for name in plan.comparison.methods]
     wanted = None if done.method == PREPARE else done.method
-    ready = [method.name for method in methods if method.share_from == wanted]
+    ready = [method.name for method in methods if method.burden_from == wanted]
     # What others wait for goes first.
-    ready.sort(key=lambda name: all(method.share_from != name for method in methods))
+    ready.sort(key=lambda name: all(method.burden_from != name for method in methods))
     return [Job(done.task, plan, done.runs, done.seed, name) for name in ready]
 
 

@@ -1,5 +1,6 @@
 """Gates: who acts at each step, and which states get the expert's label."""
 
+from sheath_manip.gates.blocks import RandomBlocks
 from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
 from sheath_manip.gates.human import HumanGate, ScriptedPerson, attentive_person
 from sheath_manip.gates.mixture import Mixture
@@ -13,6 +14,7 @@ __all__ = [
     "HumanGate",
     "Mixture",
     "QueryFilter",
+    "RandomBlocks",
     "RandomTakeover",
     "ScriptedPerson",
     "SupportGate",

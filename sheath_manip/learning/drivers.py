@@ -55,7 +55,8 @@ class GatedPolicy:
         expert = CachedExpert(task.make_expert(environment, self.expert))
         person = attentive_person(expert, environment.spec.action) if self.attended else None
         gate = checkpoint.gate(person=person)
-        return Crew(gate, checkpoint.policy, expert)
+        hindsight_s = checkpoint.fitted.config.hindsight_s
+        return Crew(gate, checkpoint.policy, expert, hindsight_s=hindsight_s)
 
 
 @dataclass(frozen=True)

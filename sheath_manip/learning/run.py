@@ -5,8 +5,9 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
@@ -31,7 +32,7 @@ from sheath_manip.learning.results import (
 )
 from sheath_manip.learning.round_metrics import compute_round_metrics
 from sheath_manip.learning.start import SharedStart
-from sheath_manip.metrics import expert_share, record_of
+from sheath_manip.metrics import record_of
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
@@ -132,7 +133,7 @@ class LearningRun:
         judged, results = self._first_judged(start), list[RoundResult]()
         labelled, names = [start.demonstrations], list(start.names)
         checkpoint = start.checkpoints.begun(
-            method, start.checkpoint, start.demonstrations, start.names, self._share(method, 1)
+            method, start.checkpoint, start.demonstrations, start.names, self._given(method, 1)
         )
         while not judged.last:
             if not self.executor.overlaps:
@@ -151,7 +152,7 @@ class LearningRun:
                 aggregated,
                 visited,
                 names,
-                self._share(method, min(number + 1, self._rounds_of(method.name))),
+                self._given(method, min(number + 1, self._rounds_of(method.name))),
             )
             self._fitted(refitted, aggregated)
             if self.executor.overlaps:
@@ -190,19 +191,19 @@ class LearningRun:
         driver = GatedPolicy(checkpoints.path(checkpoint), digest)
         return self.episodes.of_round(method.name, number, driver, digest)
 
-    def _share(self, method: Method, number: int) -> float | None:
-        """The expert's share in a round, where a schedule or another method says so."""
+    def _given(self, method: Method, number: int) -> Mapping[str, Any]:
+        """The gate's settings in a round, where a schedule or another method says so."""
         if method.share is not None:
-            return method.share(self.plan.schedule, number)
-        if method.share_from is None:
-            return None
-        path = self._path(method.share_from, number, "json")
+            return {"expert_share": method.share(self.plan.schedule, number)}
+        if method.burden_from is None:
+            return {}
+        path = self._path(method.burden_from, number, "json")
         if not path.exists():
             raise ParameterError(
-                f"{method.name} is given the expert share of {method.share_from}, which has no "
-                f"round {number} for seed {self.run_seed} yet; run {method.share_from} first"
+                f"{method.name} is given the burden of {method.burden_from}, which has no "
+                f"round {number} for seed {self.run_seed} yet; run {method.burden_from} first"
             )
-        return expert_share(read_result(path).executed)
+        return method.burden(read_result(path).executed)
 
     def _first_judged(self, start: SharedStart) -> Judged:
         stored = self.store.episodes(Purpose.DEMONSTRATION, EXPERT, 0, self.run_seed)
@@ -258,7 +259,7 @@ class LearningRun:
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""
-        follows = METHODS[method].share_from if method in METHODS else None
+        follows = METHODS[method].burden_from if method in METHODS else None
         followed = None if follows is None else self._finished(follows)
         return self.plan.schedule.rounds if followed is None else followed[-1].round
 
