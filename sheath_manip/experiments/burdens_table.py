@@ -35,8 +35,9 @@ def burdens_table(summary: Mapping[str, Any]) -> Table:
         grid.add_column(heading, justify="right")
     for name, method in summary["methods"].items():
         overall = method["overall"]
-        share, burdens = overall["expert_share"], overall_burdens(
-            method, summary.get("control_rate_hz")
+        share, burdens = (
+            overall["expert_share"],
+            overall_burdens(method, summary.get("control_rate_hz")),
         )
         numbers = {
             **burdens,

@@ -64,7 +64,10 @@ def _limited(now: tuple[Limited, ...], episode: StepCounts, series: StepCounts |
 
 
 def _counts(
-    info: EpisodeInfo, episode: StepCounts, series: StepCounts | None, outcomes: Mapping[Outcome, int]
+    info: EpisodeInfo,
+    episode: StepCounts,
+    series: StepCounts | None,
+    outcomes: Mapping[Outcome, int],
 ) -> str:
     counted = [episode] if series is None else [episode, series]
 
