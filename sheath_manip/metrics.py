@@ -49,6 +49,11 @@ class EpisodeRecord:
     """steps in which nobody drove and the robot was held"""
     limited_steps: int = 0
     """steps whose command a command filter changed"""
+    control_rate_hz: float = float("nan")
+    """NaN in results of before it was kept"""
+    turns: tuple[int, ...] = ()
+    """steps that somebody drove in each of the interventions; none in results of before they were
+    kept"""
 
 
 @dataclass(frozen=True)
@@ -69,6 +74,8 @@ class Figures:
 def record_of(episode: Episode) -> EpisodeRecord:
     """Return the figures of one episode."""
     columns = episode.columns
+    turns = runs_of(columns.intervention)
+    driven = columns.in_place_of_policy
     return EpisodeRecord(
         seed=episode.info.seed,
         outcome=episode.outcome,
@@ -78,8 +85,10 @@ def record_of(episode: Episode) -> EpisodeRecord:
         queries=int(columns.has_label.sum()),
         hold_steps=int(columns.held.sum()),
         switches=int(np.count_nonzero(np.diff(columns.by_policy.astype(int)))),
-        interventions=len(runs_of(columns.intervention)),
+        interventions=len(turns),
         limited_steps=int(columns.limited.sum()),
+        control_rate_hz=episode.info.control_rate_hz,
+        turns=tuple(int(driven[start:stop].sum()) for start, stop in turns),
     )
 
 

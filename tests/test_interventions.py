@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sheath_manip.dashboard.tally import Share
+from sheath_manip.burden import counts_of
+from sheath_manip.dashboard.tally import counts_of_trace
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.metrics import record_of, runs_of
 from sheath_manip.playback.trace import GrowingTrace
@@ -66,7 +67,7 @@ def counted(episode: Episode, store: EpisodeStore) -> dict[str, int]:
         "read back": record_of(store.read(name)).interventions,
         "store": len(runs_of(np.asarray(stored))),
         "trace": len(trace.turns),
-        "page": Share.of(trace).interventions,
+        "page": counts_of_trace(trace, 10.0).takeovers,
     }
 
 
@@ -108,4 +109,4 @@ def test_to_hold_is_no_driving(tmp_path):
     growing = GrowingTrace(episode.info)
     for step in episode.steps:
         growing.append(step, POSE)
-    assert Share.of(growing.so_far()).expert_steps == 3
+    assert counts_of_trace(growing.so_far(), 10.0) == counts_of(record)

@@ -15,6 +15,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.adjustable import Adjustable, Boundary, Dial, around
 from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.held_out import HeldOut
+from sheath_manip.gates.labels.gate import LabellingGate
 from sheath_manip.gates.patient import PatientGate
 from sheath_manip.gates.progress import ProgressGate
 from sheath_manip.gates.support import SupportGate
@@ -63,7 +64,7 @@ def adjustable(checkpoint: Checkpoint, dial: Dial) -> Gate:
 
 
 def _with_dial(gate: Gate, dial: Dial) -> Gate:
-    if isinstance(gate, PatientGate | ProgressGate):
+    if isinstance(gate, LabellingGate | PatientGate | ProgressGate):
         gate.gate = _with_dial(gate.gate, dial)
         return gate
     return Adjustable(gate, dial) if isinstance(gate, SupportGate) else gate

@@ -3,10 +3,12 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from math import isnan
 
 from rich.table import Table
 from rich.text import Text
 
+from sheath_manip.burden import burden_of
 from sheath_manip.cli.session import Session
 from sheath_manip.cli.where import Where
 from sheath_manip.dataset.store import EpisodeStore
@@ -77,7 +79,7 @@ def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Sessi
     table = Table(box=None, pad_edge=False)
     table.add_column("scene seed", justify="right")
     table.add_column("outcome")
-    for heading in (metric, "steps", "expert", "interventions"):
+    for heading in (metric, "steps", "expert", "takeovers", "labels"):
         table.add_column(heading, justify="right")
     for record in records:
         table.add_row(
@@ -87,12 +89,13 @@ def print_episodes(records: Sequence[EpisodeRecord], metric: str, session: Sessi
             str(record.steps),
             f"{record.expert_steps / max(record.steps, 1):.0%}",
             str(record.interventions),
+            str(record.queries),
         )
     session.out.print(table)
 
 
 def print_figures(records: Sequence[EpisodeRecord], session: Session) -> None:
-    """Rates and means with their 95 % intervals."""
+    """Rates and means with their 95 % intervals, and what was asked of the expert."""
     figures = figures_of(records)
     table = Table(box=None, pad_edge=False)
     for heading in (f"{figures.episodes} episodes", "mean", "95 % interval"):
@@ -100,6 +103,9 @@ def print_figures(records: Sequence[EpisodeRecord], session: Session) -> None:
     metrics = {name: (mean, figures.ci95[name]) for name, mean in figures.metric.items()}
     for name, (mean, (low, high)) in {**endings(asdict(figures)), **metrics}.items():
         table.add_row(name, f"{mean:.3g}", f"{low:.3g} .. {high:.3g}")
+    for name, value in asdict(burden_of(records)).items():
+        # Where nobody took over nothing lasted; where no policy drove there is no minute of one.
+        table.add_row(name, "–" if isnan(value) else f"{value:.3g}", "")
     table.add_row("expert_share", f"{expert_share(records):.3g}", "")
     if limited_share(records) > 0:
         table.add_row("limited_share", f"{limited_share(records):.3g}", "")

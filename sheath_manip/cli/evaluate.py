@@ -5,9 +5,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated
 
+from sheath_manip.burden import burden_of
 from sheath_manip.cli.options import WITHOUT_PREFIX, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cli.where import Where
+from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import Comparison
 
 
@@ -69,5 +71,6 @@ class Evaluate:
             "checkpoint": str(self.checkpoint),
             "digest": digest(self.checkpoint),
         }
-        print(json.dumps(origin | asdict(figures_of(records)), indent=1))
+        found = asdict(figures_of(records)) | asdict(burden_of(records))
+        print(json.dumps(plain(origin | found), indent=1))
         return 0

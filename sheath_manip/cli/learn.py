@@ -27,6 +27,18 @@ from sheath_manip.types import Purpose
 if TYPE_CHECKING:
     from sheath_manip.rollout.request import Driver
 
+ROUND_COLUMNS = (
+    "round",
+    "episodes",
+    "takeovers an episode",
+    "a minute",
+    "s of driving",
+    "share",
+    "labels",
+    "policy alone",
+)
+"""of the table that it ends with"""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Learn(Planned):
@@ -133,6 +145,7 @@ class Learn(Planned):
         )
         policy = asked_policy(self.policy, offered)
         # Only now: torch takes seconds to import.
+        from sheath_manip.burden import burden_of
         from sheath_manip.cli.episodes import executor_of, opened
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.beforehand import require_learnable, with_final_variant
@@ -172,14 +185,18 @@ class Learn(Planned):
             )
             results = learning.run(self.method)
         table = Table(box=None, pad_edge=False)
-        for heading in ("round", "episodes", "expert's share", "labelled states", "policy alone"):
+        for heading in ROUND_COLUMNS:
             table.add_column(heading, justify="right")
         for result in results:
+            burden = burden_of(result.executed)
             table.add_row(
                 str(result.round),
                 endings_line(record.outcome for record in result.executed),
+                f"{burden.takeovers_an_episode:.1f}",
+                f"{burden.takeovers_a_minute:.1f}",
+                f"{burden.driving_s_an_episode:.1f}",
                 f"{expert_share(result.executed):.0%}",
-                str(result.states),
+                str(sum(record.queries for record in result.executed)),
                 endings_line(record.outcome for record in result.policy),
             )
         session.out.print(table)

@@ -19,7 +19,7 @@ from sheath_manip.dashboard.seek_socket import SeekSocket
 from sheath_manip.dashboard.seeking import RunSeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import Snapshot, snapshot_of
-from sheath_manip.dashboard.tally import Share, Tally
+from sheath_manip.dashboard.tally import Tally, counts_of_trace
 from sheath_manip.dashboard.widget import WidgetContext, WidgetFactory
 from sheath_manip.gates.what_if import ScoredEpisode
 from sheath_manip.learning.results import RoundResult
@@ -132,8 +132,9 @@ class Dashboard(Closes):
         assert self._film is not None, "on_start comes before on_end"
         with self._lock:
             self._film.end(episode)
-            share = Share.of(self._film.trace.so_far())
-            self._tally.end(episode.info, share, episode.outcome)
+            trace = self._film.trace.so_far()
+            counts = counts_of_trace(trace, episode.info.control_rate_hz)
+            self._tally.end(episode.info, counts, episode.outcome)
             self._scored = (*self._scored, scored(self._film))[-MOST_SCORED:]
         self.cockpit.between.note_episode(runs=False)
         self._drawer.wake()
@@ -193,7 +194,7 @@ class Dashboard(Closes):
             return snapshot_of(
                 film,
                 at,
-                series=self._tally.share(film.info),
+                series=self._tally.counts(film.info),
                 outcomes=self._tally.outcomes(film.info),
                 training=self._training,
                 results=self._results,

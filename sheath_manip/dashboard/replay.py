@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 import viser
 
+from sheath_manip.burden import StepCounts
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dashboard.drawer import Drawer
@@ -17,7 +18,6 @@ from sheath_manip.dashboard.seek_socket import SeekSocket
 from sheath_manip.dashboard.seeking import ReplaySeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import snapshot_of
-from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dashboard.widgets.export import Exporting
 from sheath_manip.gates.fitted import FittedGate
@@ -115,7 +115,7 @@ class Replay(Closes):
         snapshot = snapshot_of(
             now.film,
             now.at,
-            series=Share(),
+            series=StepCounts(),
             outcomes=self._catalog.outcomes,
             training=self._training,
             scored=self._scored,

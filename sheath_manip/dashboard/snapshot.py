@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from sheath_manip.dashboard.tally import Share
+from sheath_manip.burden import StepCounts
+from sheath_manip.dashboard.tally import counts_of_trace
 from sheath_manip.gates.what_if import ScoredEpisode
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.playback.film import Film
@@ -31,7 +32,7 @@ class Snapshot:
     """the one at `at`"""
     outcome: Outcome | None
     """of the episode, where it has ended with this step"""
-    series: Share
+    series: StepCounts
     """of all episodes of the same method and purpose, this one as far as `at` included"""
     outcomes: Mapping[Outcome, int]
     """of those that have ended"""
@@ -48,16 +49,16 @@ class Snapshot:
     """whether this is the latest step there is"""
 
     @property
-    def episode(self) -> Share:
+    def episode(self) -> StepCounts:
         """This episode as far as `at`."""
-        return Share.of(self.trace.until(self.at + 1))
+        return counts_of_trace(self.trace.until(self.at + 1), self.info.control_rate_hz)
 
 
 def snapshot_of(
     film: Film,
     at: int,
     *,
-    series: Share,
+    series: StepCounts,
     outcomes: Mapping[Outcome, int],
     training: Samples | None,
     paused: bool,
@@ -71,7 +72,7 @@ def snapshot_of(
     """
     outcome, trace = film.outcome, film.trace.so_far()
     if outcome is None:
-        series += Share.of(trace.until(at + 1))
+        series += counts_of_trace(trace.until(at + 1), film.info.control_rate_hz)
     return Snapshot(
         info=film.info,
         scene=film.scene,

@@ -40,6 +40,22 @@ class Verdict:
     holds: bool
 
 
+UNINFORMED = ("random-blocks", "random-takeover")
+"""methods that take over at random, with the burden of SHEATH: the first that a result has is the
+fairest; one of before there were blocks has its share of the steps alone"""
+
+
+def uninformed(summary: Summary) -> str:
+    """Return the method that takes over at random which SHEATH is held against.
+
+    Raises KeyError where the summary has none.
+    """
+    for name in UNINFORMED:
+        if name in summary["methods"]:
+            return name
+    raise KeyError(" or ".join(UNINFORMED))
+
+
 def constant(value: float, summary: Summary) -> float:
     """A bar that does not depend on the summary."""
     del summary

@@ -98,7 +98,7 @@ def run_experiment(
         if name not in known:
             raise UnknownNameError("figure", name, known)
     for name in plan.comparison.methods:
-        follows = method_named(name).share_from
+        follows = method_named(name).burden_from
         if follows is not None and follows not in plan.comparison.methods:
             raise ParameterError(f"method {name} follows {follows}: add {follows} to the methods")
     plan = with_final_variant(task, plan)
@@ -146,10 +146,12 @@ def next_jobs(done: Job | BaselineJob) -> list[Job]:
     if plan.rounds_are_known:
         ready = methods if wanted is None else []
     else:
-        ready = [method for method in methods if method.share_from == wanted]
+        ready = [method for method in methods if method.burden_from == wanted]
     # What others wait for goes first, and what waits last.
-    followed = {method.share_from for method in methods}
-    ready = sorted(ready, key=lambda each: (each.share_from is not None, each.name not in followed))
+    followed = {method.burden_from for method in methods}
+    ready = sorted(
+        ready, key=lambda each: (each.burden_from is not None, each.name not in followed)
+    )
     return [Job(done.task, plan, done.runs, done.seed, method.name) for method in ready]
 
 
@@ -180,6 +182,7 @@ def _summary(
         wall_s,
         environment.spec.metric,
         baseline_figures(study, runs),
+        environment.spec.control_rate_hz,
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sheath_manip.burden import burden_of
 from sheath_manip.experiments.areas import areas
 from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import LearningPlan
@@ -35,6 +36,7 @@ def summarise(
     wall_s: float,
     metric: str | None = None,
     references: Mapping[str, Any] | None = None,
+    control_rate_hz: float | None = None,
 ) -> dict[str, Any]:
     """Return everything that an experiment showed, as plain values that JSON keeps.
 
@@ -49,6 +51,7 @@ def summarise(
         wall_s: what it took.
         metric: `TaskSpec.metric`; the first one of the expert's episodes where it is not given.
         references: figures on the final scenes of those who learn nothing, by name.
+        control_rate_hz: of the task.
     """
     expert = _figures(expert_records)
     metric = metric or next(iter(expert["metric"]), None)
@@ -64,6 +67,7 @@ def summarise(
             "wall_s": round(wall_s, 1),
             "plan": plan.described(),
             "metric": metric,
+            "control_rate_hz": control_rate_hz,
             "talk": TALK,
             "expert": expert,
             "references": references or {},
@@ -144,7 +148,7 @@ def _burden(results: Sequence[RoundResult]) -> dict[str, float]:
     return {
         "expert_share": expert_share(records),
         "queries": sum(record.queries for record in records) / runs if runs else math.nan,
-        "switches_per_episode": _average(record.switches for record in records),
+        **dataclasses.asdict(burden_of(records)),
         "false_alarm_rate": _average(result.false_alarm_rate for result in results),
     }
 

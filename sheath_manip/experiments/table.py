@@ -1,4 +1,4 @@
-"""An experiment as two tables: one row a method, below each figure its 95 % interval."""
+"""An experiment as three tables: one row a method, below each figure its 95 % interval."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,15 +7,16 @@ from rich import box
 from rich.console import Group
 from rich.table import Table
 
+from sheath_manip.experiments.burdens_table import burdens_table
 from sheath_manip.experiments.endings import endings_table
 
 
 def table(summary: Mapping[str, Any]) -> Group:
     """Return the tables of a summary, which fit a terminal of 80 columns.
 
-    How episodes ended, then what they were worth and what they cost.
+    How episodes ended, then what they asked of the expert, and what they were worth.
     """
-    return Group(endings_table(summary), _figures(summary))
+    return Group(endings_table(summary), burdens_table(summary), _figures(summary))
 
 
 def _figures(summary: Mapping[str, Any]) -> Table:
@@ -32,19 +33,14 @@ def _figures(summary: Mapping[str, Any]) -> Table:
     )
     grid.add_column("\n\nmethod")
     words = str(metric).replace("_", "\n")
-    burden = (
-        "expert\nshare\n%",
-        "quer-\nies\na seed",
-        "false\nalarms\n%",
-        "switch-\nes an\nepisode",
-    )
-    for header in (f"run:\n{words}", *burden, f"alone\n{words}", f"final\n{words}"):
+    alarms = "false\nalarms\n%"
+    for header in (f"run:\n{words}", alarms, f"alone\n{words}", f"final\n{words}"):
         grid.add_column(header, justify="right", vertical="top")
     expert = summary["expert"]
     grid.add_row("expert", _mean(expert, metric), end_section=True)
     others = summary.get("references", {})
     for number, (name, figures) in enumerate(others.items(), 1):
-        dashes = ["–"] * 6
+        dashes = ["–"] * 3
         last = number == len(others)
         grid.add_row(name, *dashes, _mean(figures, metric), end_section=last)
     for name, method in summary["methods"].items():
@@ -52,10 +48,7 @@ def _figures(summary: Mapping[str, Any]) -> Table:
         grid.add_row(
             name.replace("-", "-\n"),
             _mean(overall, metric),
-            _percent(overall["expert_share"]),
-            _number(overall["queries"], ",.0f"),
             _percent(overall["false_alarm_rate"]),
-            _number(overall["switches_per_episode"], ".1f"),
             _mean(last["policy"], metric),
             _mean(method["final"], metric),
         )
@@ -91,7 +84,3 @@ def _mean(figures: Mapping[str, Any], metric: str | None) -> str:
 
 def _percent(value: float | None) -> str:
     return "–" if value is None else f"{100 * value:.1f}"
-
-
-def _number(value: float | None, form: str) -> str:
-    return "–" if value is None else format(value, form)

@@ -1,6 +1,7 @@
 """Gates: who acts at each step, and which states get the expert's label."""
 
 from sheath_manip.gates.attentive import AttentivePerson
+from sheath_manip.gates.blocks import RandomBlocks
 from sheath_manip.gates.constant import AlwaysExpert, AlwaysPolicy
 from sheath_manip.gates.human import HumanGate
 from sheath_manip.gates.mixture import Mixture
@@ -15,6 +16,7 @@ __all__ = [
     "HumanGate",
     "Mixture",
     "QueryFilter",
+    "RandomBlocks",
     "RandomTakeover",
     "SupportGate",
 ]

@@ -6,12 +6,15 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.files.json_files import plain
+from sheath_manip.gates.blocks import BlocksConfig
+from sheath_manip.gates.labels import label_rules, require_label_rules
+from sheath_manip.gates.labels.config import LabellingConfig
 from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.signals import SignalChoice
 from sheath_manip.support import support_hyperparameters
 from sheath_manip.support.config import SupportConfig, ThresholdConfig
 
-LABELS = ("all", "own")
 USED = (
     "kind",
     "expert_share",
@@ -20,6 +23,8 @@ USED = (
     "minimum_hold_steps",
     "requests",
     "labels",
+    "labelling",
+    "blocks",
 )
 """settings that no fit and no calibration looks at"""
 
@@ -30,9 +35,11 @@ class GateConfig:
 
     kind: str = "support"
     """gate that decides who acts: support (SHEATH), query-filter (SHIV), expert, mixture (at
-    random, DAgger's and SMILe's), random-takeover or human; only the first two judge by a signal"""
+    random, DAgger's and SMILe's), random-takeover, random-blocks or human; only the first two judge
+    by a signal"""
     expert_share: float = 0.0
     """expert's share of the steps in a mixture or a random takeover, 0 .. 1"""
+    blocks: BlocksConfig = field(default_factory=BlocksConfig)
     signal: str = "joined"
     """signal that the gate looks at, as `sheath tasks` lists it: the support, the precedent of the
     proposed action, or both joined; for continuous actions the precedent is a near one"""
@@ -56,7 +63,9 @@ class GateConfig:
     was, by the expert's own least; then the expert takes over; 0: nobody notices"""
     requests: RequestConfig = field(default_factory=RequestConfig)
     labels: str = "all"
-    """states that the expert labels: all, or own (only those in which it acts)"""
+    """states that the expert labels beside those in which it acts: all, own (no others), drawn (a
+    share of them), before-failure (the last of an episode that failed), or several joined by +"""
+    labelling: LabellingConfig = field(default_factory=LabellingConfig)
 
     def __post_init__(self) -> None:
         if not 0 <= self.expert_share <= 1:
@@ -70,13 +79,18 @@ class GateConfig:
             raise ParameterError(
                 "stuck_steps is 1; wanted 0 or at least 2, the while in two halves"
             )
-        if self.labels not in LABELS:
-            raise ParameterError(f"labels is {self.labels!r}; wanted {' or '.join(LABELS)}")
+        require_label_rules(self.labels)
 
     def fitted_like(self, other: Self) -> bool:
         """Tell whether what one was fitted to serves the other: they differ in use alone."""
         used = {name: getattr(other, name) for name in USED}
         return dataclasses.replace(self, **used) == other
+
+    @property
+    def hindsight_s(self) -> float:
+        """Time before a failure that the expert labels afterwards; 0 where no rule looks back."""
+        looks_back = any(rule.looks_back for rule in label_rules(self.labels))
+        return self.labelling.before_failure_s if looks_back else 0.0
 
     @property
     def support_has_nu(self) -> bool:
@@ -85,7 +99,7 @@ class GateConfig:
 
     def described(self) -> dict[str, Any]:
         """Return plain values, nested, that JSON keeps; `from_described` takes them back."""
-        return dataclasses.asdict(self)
+        return plain(dataclasses.asdict(self))
 
     @classmethod
     def from_described(cls, content: Mapping[str, Any]) -> Self:
@@ -98,7 +112,18 @@ class GateConfig:
             support = SupportConfig(**settings.pop("support", {}))
             threshold = ThresholdConfig(**settings.pop("threshold", {}))
             requests = RequestConfig(**settings.pop("requests", {}))
-            return cls(**settings, support=support, threshold=threshold, requests=requests)
+            labelling = LabellingConfig(**settings.pop("labelling", {}))
+            blocks = dict(settings.pop("blocks", {}))
+            if "steps" in blocks:
+                blocks["steps"] = tuple(blocks["steps"])
+            return cls(
+                **settings,
+                support=support,
+                threshold=threshold,
+                requests=requests,
+                labelling=labelling,
+                blocks=BlocksConfig(**blocks),
+            )
         except TypeError as error:
             raise ParameterError(f"{content} is no config of a gate: {error}") from error
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from sheath_manip.gates.blocks import BlocksConfig
 from sheath_manip.gates.config import GateConfig
 
 FACTS: Mapping[str, Any] = {
@@ -19,6 +20,8 @@ FACTS: Mapping[str, Any] = {
     "training_loss": 0.0,
 }
 """each fact with a value of its type; a list is of any length"""
+EXAMPLE = GateConfig(blocks=BlocksConfig(0.1, (1,))).described()
+"""a gate's settings, in each list a value of its type"""
 MOST_DEEP = 6
 MOST_ENTRIES = 1000
 """in a list or a mapping of hyperparameters"""
@@ -38,7 +41,7 @@ def require_header(header: Mapping[str, Any]) -> None:
             raise ValueError(f"the header says nothing of the policy's {name}")
     if set(header["sources"]) != set(FACTS["sources"]):
         raise ValueError("sources: wanted fitted_to and held_out")
-    _require_like("gate", header.get("gate"), GateConfig().described())
+    _require_like("gate", header.get("gate"), EXAMPLE)
     _require_finite("gate", header["gate"])
     _require_plain("policy.hyper", header["policy"]["hyper"], MOST_DEEP)
     if header["has_signal"] and math.isnan(header["threshold"]):

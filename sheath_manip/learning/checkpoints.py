@@ -1,9 +1,10 @@
 """The checkpoints of one training run: each read where it lies, or fitted and saved now."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from sheath_manip.protocols import TrainablePolicy
 from sheath_manip.seeding import seed_for
 from sheath_manip.types import TaskSpec
 from sheath_manip.types.samples import Samples
+
+NOTHING: Mapping[str, Any] = {}
 
 
 class Checkpoints:
@@ -68,14 +71,15 @@ class Checkpoints:
         first: Checkpoint,
         states: Samples,
         names: Sequence[str],
-        expert_share: float | None = None,
+        given: Mapping[str, Any] = NOTHING,
     ) -> Checkpoint:
         """Return `first` with the method's own gate, and its policy as the method begins with it.
 
         Where the method looks as the plan does, and only holds or labels otherwise, nothing has to
-        be fitted for that. `expert_share` is that of round 1, where a schedule says so.
+        be fitted for that. `given` are the gate's settings in round 1 that a schedule or another
+        method says.
         """
-        plan = self._plan_of(method, expert_share)
+        plan = self._plan_of(method, given)
         if plan == self.plan:
             return first
 
@@ -103,7 +107,7 @@ class Checkpoints:
         aggregated: Samples,
         visited: Samples,
         names: Sequence[str],
-        expert_share: float | None = None,
+        given: Mapping[str, Any] = NOTHING,
     ) -> Checkpoint:
         """Return that after round `number`: policy (warm), signal and threshold.
 
@@ -115,9 +119,9 @@ class Checkpoints:
             visited: all states of the round. Where none was labelled, nothing new is known of the
                 policy, and only the threshold is found again.
             names: of the episodes that `aggregated` is from.
-            expert_share: of the next round, where a schedule says so.
+            given: the gate's settings in the next round that a schedule or another method says.
         """
-        plan = self._plan_of(method, expert_share)
+        plan = self._plan_of(method, given)
         new = visited.labelled()
 
         def fit() -> Checkpoint:
@@ -141,10 +145,10 @@ class Checkpoints:
         """Return the digest of the checkpoint's file."""
         return digest(self.path(checkpoint))
 
-    def _plan_of(self, method: Method, expert_share: float | None) -> LearningPlan:
-        """What the method makes of the plan; the share is kept in the gate's settings."""
+    def _plan_of(self, method: Method, given: Mapping[str, Any]) -> LearningPlan:
+        """What the method makes of the plan, with what a round gives it."""
         plan = method.plan(self.plan)
-        return plan if expert_share is None else plan.changed(gate={"expert_share": expert_share})
+        return plan.changed(gate=given) if given else plan
 
     def _with_gate(
         self,

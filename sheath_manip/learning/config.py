@@ -63,7 +63,13 @@ class Schedule:
 class Comparison:
     """A comparison: what is held against what, on which scenes."""
 
-    methods: tuple[str, ...] = ("cloning", "dagger", "sheath", "random-takeover")
+    methods: tuple[str, ...] = (
+        "cloning",
+        "dagger",
+        "sheath",
+        "sheath-own-labels",
+        "random-blocks",
+    )
     """names of the methods, as `sheath tasks` lists them"""
     seeds: tuple[int, ...] = (0, 1, 2)
     """seeds of the training runs"""

@@ -59,12 +59,14 @@ class GatedPolicy:
         """Read the checkpoint, and make its gate and the expert."""
         checkpoint = load_checkpoint(self.checkpoint, environment.spec)
         expert = CachedExpert(task.make_expert(environment, self.expert))
-        if self.watched_by is None or checkpoint.fitted.config.kind != "human":
-            return Crew(checkpoint.gate(), checkpoint.policy, expert)
+        config = checkpoint.fitted.config
+        if self.watched_by is None or config.kind != "human":
+            gate = checkpoint.gate()
+            return Crew(gate, checkpoint.policy, expert, hindsight_s=config.hindsight_s)
         spec, operator = environment.spec, SimulatedOperator(self.watched_by)
         gate = checkpoint.gate(person=AttentivePerson(expert, spec, operator))
         hand = OperatorHand(expert, operator, spec.action, spec.control_rate_hz)
-        return Crew(gate, checkpoint.policy, CachedExpert(hand))
+        return Crew(gate, checkpoint.policy, CachedExpert(hand), hindsight_s=config.hindsight_s)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,14 @@
 """The algorithms, each a choice of gate: who acts, and which states get the expert's label."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
+from sheath_manip.exceptions import ParameterError
+from sheath_manip.gates.blocks import BlocksConfig
 from sheath_manip.gates.making import GATES
 from sheath_manip.learning.config import LearningPlan, Schedule
+from sheath_manip.metrics import EpisodeRecord, expert_share
 from sheath_manip.policies import FEATURE_EMBEDDINGS
 from sheath_manip.policies.smile import as_first_member, expert_weight
 from sheath_manip.protocols import Arrays
@@ -16,6 +20,26 @@ PAPER_BANDWIDTH = 0.01
 PAPER_NU = 0.05
 RELEASE_RATE = 0.5
 """LazyDAgger here hands back where half of the expert's own steps score lower"""
+
+
+def equal_share(executed: Sequence[EpisodeRecord]) -> Mapping[str, Any]:
+    """Return the setting of a gate that gives the expert the share of the steps of `executed`."""
+    return {"expert_share": expert_share(executed)}
+
+
+def equal_takeovers(executed: Sequence[EpisodeRecord]) -> Mapping[str, Any]:
+    """Return the setting of a gate that takes over as often and as long as in `executed`.
+
+    Raises ParameterError for results of before the lengths of takeovers were kept.
+    """
+    if any(len(each.turns) != each.interventions for each in executed):
+        raise ParameterError(
+            "the rounds to be held against do not say how long takeovers were; wanted ones that "
+            "this version ran: begin the run afresh"
+        )
+    by_policy = sum(each.steps - each.expert_steps - each.hold_steps for each in executed)
+    blocks = BlocksConfig.like([each.turns for each in executed], by_policy)
+    return {"blocks": asdict(blocks)}
 
 
 def _unchanged(plan: LearningPlan) -> LearningPlan:
@@ -37,8 +61,10 @@ class Method:
     another policy only together with `initial_policy`"""
     initial_policy: Callable[[Arrays], Arrays] = _as_it_is
     """the learned state of its first policy, from that of the policy which all methods share"""
-    share_from: str | None = None
-    """the method whose expert share this one is given, round by round"""
+    burden_from: str | None = None
+    """the method whose burden this one is given, round by round"""
+    burden: Callable[[Sequence[EpisodeRecord]], Mapping[str, Any]] = equal_share
+    """the gate's settings that give it, from the episodes that the other method ran in the round"""
     share: Callable[[Schedule, int], float] | None = None
     """the expert's share in a round, counted from 1, where a schedule says so"""
     latest_only: bool = False
@@ -145,13 +171,20 @@ RANDOM_TAKEOVER = Method(
     "random-takeover",
     "the expert at random, with SHEATH's own share",
     _gate(kind="random-takeover"),
-    share_from="sheath",
+    burden_from="sheath",
 )
 RANDOM_OWN_LABELS = Method(
     "random-own-labels",
     "the expert at random, with the share and the labels of SHEATH with own labels",
     _gate(kind="random-takeover", labels="own"),
-    share_from="sheath-own-labels",
+    burden_from="sheath-own-labels",
+)
+RANDOM_BLOCKS = Method(
+    "random-blocks",
+    "the expert in blocks at random, as many and as long as SHEATH's takeovers",
+    _gate(kind="random-blocks"),
+    burden_from="sheath",
+    burden=equal_takeovers,
 )
 
 METHODS: Registry[Method] = Registry(
@@ -171,6 +204,7 @@ METHODS: Registry[Method] = Registry(
         "thrifty-dagger": f"{__name__}:THRIFTY_DAGGER",
         "random-takeover": f"{__name__}:RANDOM_TAKEOVER",
         "random-own-labels": f"{__name__}:RANDOM_OWN_LABELS",
+        "random-blocks": f"{__name__}:RANDOM_BLOCKS",
     },
     of=Method,
 )

@@ -65,7 +65,13 @@ def read_result(path: Path) -> RoundResult:
         fields = json.loads(path.read_text())
         for name in ("executed", "policy", "final"):
             fields[name] = tuple(
-                EpisodeRecord(**{**record, "outcome": Outcome(record["outcome"])})
+                EpisodeRecord(
+                    **{
+                        **record,
+                        "outcome": Outcome(record["outcome"]),
+                        "turns": tuple(record.get("turns", ())),
+                    }
+                )
                 for record in fields[name]
             )
         return RoundResult(**{**fields, "bound": Bound(**fields["bound"])})

@@ -20,7 +20,7 @@ from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
 from sheath_manip.learning.demonstrations import is_learned_from, learned_from
 from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 from sheath_manip.learning.evaluation import Evaluation
-from sheath_manip.learning.following import ExpertShares
+from sheath_manip.learning.following import GivenBurdens
 from sheath_manip.learning.judged import Judged, Measuring
 from sheath_manip.learning.methods import METHODS, Method, method_named
 from sheath_manip.learning.results import (
@@ -94,7 +94,7 @@ class LearningRun:
         self.left_out: list[Outcome] = []
         """how the expert episodes ended that were not learned from"""
         self._failures = failures
-        self._shares = ExpertShares(self.episodes, directory, store, awaits)
+        self._given = GivenBurdens(self.episodes, directory, store, awaits)
 
     def start(self) -> SharedStart:
         """Collect demonstrations and held-out expert episodes, and fit the first checkpoint."""
@@ -139,7 +139,7 @@ class LearningRun:
         judged, results = self._first_judged(start), list[RoundResult]()
         labelled, names = [start.demonstrations], list(start.names)
         checkpoint = start.checkpoints.begun(
-            method, start.checkpoint, start.demonstrations, start.names, self._shares.of(method, 1)
+            method, start.checkpoint, start.demonstrations, start.names, self._given.of(method, 1)
         )
         ahead = None
         while not judged.last:
@@ -160,7 +160,7 @@ class LearningRun:
                     aggregated,
                     visited,
                     names,
-                    self._shares.of(method, min(number + 1, self._rounds_of(method.name))),
+                    self._given.of(method, min(number + 1, self._rounds_of(method.name))),
                 )
             self._fitted(refitted, aggregated)
             # They run while this round is measured.
@@ -267,7 +267,7 @@ class LearningRun:
 
     def _rounds_of(self, method: str) -> int:
         """The plan's rounds, or fewer where the method that this one follows stopped before."""
-        follows = METHODS[method].share_from if method in METHODS else None
+        follows = METHODS[method].burden_from if method in METHODS else None
         followed = None if follows is None else self._finished(follows)
         return self.plan.schedule.rounds if followed is None else followed[-1].round
 

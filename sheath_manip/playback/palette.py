@@ -63,19 +63,24 @@ GREY: Rgb = (110, 116, 124)
 PALE: Rgb = (217, 220, 225)
 PAPER: Rgb = (246, 247, 249)
 
-# The first four also differ in lightness, from dark to light.
+# Those of the house have a look of their own, whatever they are compared with. The first four also
+# differ in lightness, from dark to light.
 _METHODS: dict[str, Look] = {
     "sheath": Look((0, 84, 147), "o"),
     "dagger": Look((204, 82, 0), "s", (5, 1.5)),
     "cloning": Look((128, 134, 142), "D", (1.2, 1.2)),
     "random-takeover": Look((230, 170, 30), "^", (5, 1.5, 1.2, 1.5)),
+    "sheath-own-labels": Look((86, 180, 233), "X", (2, 2)),
+    "random-blocks": Look((0, 158, 115), "v", (3, 1)),
+    "hg-dagger": Look((204, 121, 167), "P", (8, 2)),
+    "sheath-plain": Look((122, 74, 30), "<", (5, 1.5, 1.2, 1.5, 1.2, 1.5)),
 }
 _OTHERS: tuple[Look, ...] = (
-    Look((0, 158, 115), "v", (3, 1)),
-    Look((204, 121, 167), "P", (8, 2)),
-    Look((86, 180, 233), "X", (2, 2)),
-    Look((122, 74, 30), "<", (5, 1.5, 1.2, 1.5, 1.2, 1.5)),
     Look(INK, "*", (1, 2)),
+    Look((120, 80, 170), ">", (6, 1, 1, 1)),
+    Look((140, 140, 40), "h", (4, 2)),
+    Look((170, 60, 70), "p", (1, 1)),
+    Look((0, 110, 130), "d", (7, 1.5, 1.2, 1.5)),
 )
 
 

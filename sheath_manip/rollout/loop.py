@@ -13,6 +13,7 @@ from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.cutting_short import cut_short
 from sheath_manip.rollout.deciding import GuardedGate, GuardedPolicy, reason_without_proposal
 from sheath_manip.rollout.guard import BrokenError
+from sheath_manip.rollout.hindsight import Hindsight
 from sheath_manip.rollout.stage import Stage
 from sheath_manip.rollout.stepping import Stepping
 from sheath_manip.rollout.telling import Telling
@@ -42,6 +43,7 @@ def rollout(
     listeners: Sequence[Listener] = (),
     deadline: Deadline | None = None,
     begins: NDArray[np.float64] | None = None,
+    hindsight_s: float = 0.0,
 ) -> Episode:
     """Run the episode of `info.seed` to its end.
 
@@ -69,6 +71,7 @@ def rollout(
         listeners: follow the episode.
         deadline: of each control step; None: nobody is late, and nothing that hangs is broken off.
         begins: (s,) a state of that episode, from which it goes on; None: from its start.
+        hindsight_s: time before a failure that the expert labels afterwards; 0: none.
 
     Raises ParameterError where the gate wants an actor or a policy that was never there, and
     AttemptError where the episode was cut short.
@@ -82,6 +85,8 @@ def rollout(
     proposing = None if policy is None else GuardedPolicy(policy, spec.action)
     # A person is asked before anybody else drives.
     deciding = GuardedGate(gate, Actor.HOLD if actors.operated else Actor.EXPERT)
+    steps = round(hindsight_s * spec.control_rate_hz)
+    hindsight = Hindsight(steps) if steps and expert is not None else None
     watch = None if deadline is None else Watch(deadline, spec.control_rate_hz, stage.hold)
     with watched(watch):
         stepping = Stepping(stage, audience, Telling(info))
@@ -96,10 +101,12 @@ def rollout(
             while not stepping.over:
                 if watch is not None:
                     watch.begin_step(rests=not stepping.steps)
-                control_step(stepping, proposing, deciding, actors)
+                control_step(stepping, proposing, deciding, actors, hindsight)
             if watch is not None:
                 watch.end_steps()
             outcome, metrics = stage.outcome(), stage.metrics()
+            if hindsight is not None:
+                stepping.steps = hindsight.labelled(stepping.steps, outcome)
             episode = stepping.episode(info, outcome, metrics)
         except (BrokenError, ParameterError, UnattendedError) as error:
             raise cut_short(stepping, actors, info, error) from error
@@ -108,9 +115,15 @@ def rollout(
 
 
 def control_step(
-    stepping: Stepping, policy: GuardedPolicy | None, gate: GuardedGate, actors: Actors
+    stepping: Stepping,
+    policy: GuardedPolicy | None,
+    gate: GuardedGate,
+    actors: Actors,
+    hindsight: Hindsight | None = None,
 ) -> None:
     """Run one step of the loop, for callers that go step by step: look, propose, judge, act.
+
+    `hindsight` asks the expert about steps that get no label now.
 
     Raises BrokenError where nobody is left to act or the environment fails, and ParameterError
     where the gate wants an actor or a policy that was never there.
@@ -136,6 +149,8 @@ def control_step(
             except BrokenError as error:
                 # The policy may act, and a state more or less without a label does no harm.
                 decision = replace(decision, broken=(*decision.broken, error.breakdown))
+        elif hindsight is not None:
+            hindsight.ask(len(stepping.steps), actors, observation)
     stepping.step(proposed, labelled, decision)
 
 

@@ -28,6 +28,8 @@ class Crew:
     """operator, fallback controller, and the one that holds the robot"""
     deadline: Deadline | None = None
     """of each control step"""
+    hindsight_s: float = 0.0
+    """time before a failure that the expert labels afterwards"""
 
 
 class Driver(Protocol):
@@ -93,5 +95,6 @@ def run_request(
         listeners=listeners,
         deadline=crew.deadline,
         begins=request.begins,
+        hindsight_s=crew.hindsight_s,
     )
     return until_kept(attempt, request.info, report)

@@ -156,7 +156,7 @@ def test_learn_with_a_person(sheath, at_the_page, tmp_path):
         code, out, _ = sheath(*argv, "--episodes", 2, *JUDGED, *person)
     assert code == 0
     assert (runs / "s0" / "sheath-own-labels" / "round-01.npz").exists()
-    assert "expert's share" in out
+    assert "takeovers an episode" in out
     store = EpisodeStore(runs / "store")
     learning = [s for s in store.infos() if s.info.purpose is Purpose.LEARNING]
     assert len(learning) == 2

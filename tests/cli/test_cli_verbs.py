@@ -81,7 +81,7 @@ def test_run_records_where_a_store_is_given(sheath, made, tmp_path):
     argv = ("run", "corridor", "--checkpoint", made / "first.npz", "--episodes", 2)
     code, out, _ = sheath(*argv, "--store", tmp_path / "store")
     assert code == 0
-    for word in ("scene seed", "progress", "interventions", "succeeded", "failed", "stuck"):
+    for word in ("scene seed", "progress", "takeovers", "labels", "succeeded", "failed", "stuck"):
         assert word in out
     episodes = list(EpisodeStore(tmp_path / "store").episodes())
     assert [episode.info.purpose for episode in episodes] == [Purpose.LEARNING] * 2

@@ -17,6 +17,9 @@ from sheath_manip.gates import (
     RandomTakeover,
     SupportGate,
 )
+from sheath_manip.gates.blocks import BlocksConfig, RandomBlocks
+from sheath_manip.gates.labels.drawn_steps import DrawnSteps
+from sheath_manip.gates.labels.gate import LabellingGate
 from sheath_manip.protocols import Gate
 from sheath_manip.rollout.simulated_operator import OperatorConfig, SimulatedOperator
 from sheath_manip.types import (
@@ -83,6 +86,10 @@ GATES: dict[str, Callable[[], Gate]] = {
     "mixture": lambda: Mixture(0.5),
     "takeover": lambda: RandomTakeover(0.3),
     "takeover, own labels": lambda: RandomTakeover(0.3, query=False),
+    "blocks": lambda: RandomBlocks(BlocksConfig(0.1, (3, 8))),
+    "takeover, some labels": lambda: LabellingGate(
+        RandomTakeover(0.3, query=False), [DrawnSteps(0.2)], an_episode=9
+    ),
     "query filter": lambda: QueryFilter(FIRST_FEATURE, 0.0),
     "human": lambda: HumanGate(watching(OperatorConfig(0.3))),
     "human, who overlooks much": lambda: HumanGate(watching(OperatorConfig(overlooked=0.7))),

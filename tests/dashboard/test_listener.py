@@ -219,10 +219,9 @@ def test_tally_counts_interventions_and_outcomes(
     assert snapshot is not None
     expert = [step.decision.actor is Actor.EXPERT for step in episode.steps]
     begun = sum(now and not before for before, now in zip([False, *expert], expert, strict=False))
-    assert snapshot.episode.interventions == begun > 1
-    assert snapshot.series.interventions == 2 * begun
-    assert snapshot.episode.expert_steps == sum(expert)
-    assert snapshot.episode.switches == record_of(episode).switches
+    assert snapshot.episode.takeovers == begun > 1
+    assert snapshot.series.takeovers == 2 * begun
+    assert snapshot.episode.driving_steps == sum(expert)
     assert snapshot.series.steps == 2 * len(expert)
     assert snapshot.outcomes == {Outcome.SUCCESS: 1, Outcome.FAILURE: 1}
     assert snapshot.outcome is Outcome.FAILURE
@@ -268,6 +267,6 @@ def test_demonstration_is_no_intervention(
     play(dashboard, environment, replace(episode, steps=steps))
     snapshot = dashboard._latest()
     assert snapshot is not None
-    assert snapshot.episode.interventions == 0
-    assert snapshot.episode.expert_steps > 0
-    assert snapshot.episode.queries == record_of(replace(episode, steps=steps)).queries
+    assert snapshot.episode.takeovers == 0
+    assert snapshot.episode.driving_steps > 0
+    assert snapshot.episode.labels == record_of(replace(episode, steps=steps)).queries

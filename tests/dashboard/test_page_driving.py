@@ -77,7 +77,7 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
 
         def interventions() -> int:
             snapshot = dashboard._latest()
-            return snapshot.series.interventions if snapshot else 0
+            return snapshot.series.takeovers if snapshot else 0
 
         wait_until(lambda: interventions() > 1, "interventions", page)
         wait_until(lambda: widget(ScorePlot)._scores.visible, "scores", page)
@@ -93,7 +93,7 @@ def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
             "[...document.images].filter(image => image.naturalWidth > 100).length >= 2"
         )
         page.get_by_role("tab", name="Run").click()
-        counts = page.get_by_role("row").filter(has_text="interventions").get_by_role("cell")
+        counts = page.get_by_role("row").filter(has_text="takeovers").get_by_role("cell")
         wait_until(lambda: int(counts.nth(2).inner_text()) > 1, "count on the page", page)
         assert not widget(Trouble)._box.visible
         enough.set()

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sheath_manip.burden import StepCounts
 from sheath_manip.dashboard.markup import note
 from sheath_manip.dashboard.snapshot import snapshot_of
-from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widgets.learning import LearningCurves
 from sheath_manip.dashboard.widgets.score_plot import NO_SCORE, NO_STEP, ScorePlot
 from sheath_manip.gates import AlwaysExpert
@@ -47,7 +47,7 @@ def drawn(kind, spec, film, at, results=()) -> list[str]:
     snapshot = snapshot_of(
         film,
         at,
-        series=Share(),
+        series=StepCounts(),
         outcomes={},
         training=None,
         paused=False,

@@ -7,8 +7,18 @@ from pathlib import Path
 
 import pytest
 
+from sheath_manip.experiments.claims import UNINFORMED, uninformed
 from tests.documentation.blocks import PAGES, ROOT, blocks
-from tools.docs.numbers import ended, failing_rounds, more, rate, takeovers_a_minute, with_interval
+from tools.docs.numbers import (
+    alike,
+    burden_cells,
+    ended,
+    failing_rounds,
+    more,
+    rate,
+    takeovers_a_minute,
+    with_interval,
+)
 from tools.docs.pages import pages
 from tools.make_docs import main
 
@@ -60,8 +70,18 @@ def test_every_result_has_its_page_and_every_page_its_result():
         path.relative_to(ROOT / "results").parts[0] for path in ROOT.glob("results/**/summary.json")
     }
     shown = {path.stem for path in (ROOT / "docs" / "results").glob("*.md")} - {"index"}
-    # The recipe stands on the page of its task.
-    assert results - {"grasp-clutter-recipe"} == shown
+    # The recipe and the hard scenes stand on the page of their task.
+    assert results - {"grasp-clutter-recipe", "grasp-clutter-hard"} == shown
+
+
+def test_the_hard_scenes_have_a_section_once_there_is_a_result_of_them(tmp_path):
+    results = tmp_path / "results"
+    shutil.copytree(ROOT / "results", results, ignore=shutil.ignore_patterns("*.png", "*.gif"))
+    shutil.rmtree(results / "grasp-clutter-hard", ignore_errors=True)
+    page, heading = "docs/results/grasp-clutter.md", "## On the hard scenes"
+    assert heading not in dict(pages(results))[page]
+    shutil.copytree(results / "grasp-clutter", results / "grasp-clutter-hard")
+    assert heading in dict(pages(results))[page]
 
 
 def test_numbers_are_shown_with_intervals_and_no_more_decimals_than_they_bear():
@@ -74,12 +94,30 @@ def test_numbers_are_shown_with_intervals_and_no_more_decimals_than_they_bear():
     assert more({"mean": -35.2, "ci95": (-42.0, 0.4)}) == "−35 (−42 … +0)"
 
 
-def test_a_takeover_is_two_changes_of_who_acts():
-    rounds = [{"round": 0, "horizon": 9.0}, {"round": 1, "horizon": 600.0}]
+def test_of_an_older_result_a_takeover_is_two_changes_of_who_acts():
+    rounds = [{"round": 0, "horizon": 9.0}, {"round": 1, "horizon": 600.0, "runs": 2}]
     rounds[1] |= {"executed": {"failure_rate": 0.1}}
-    method = {"rounds": rounds, "overall": {"switches_per_episode": 6.0}}
+    overall = {"switches_per_episode": 6.0, "expert_share": 0.1, "queries": 300, "episodes": 20}
+    method = {"rounds": rounds, "overall": overall}
     assert takeovers_a_minute(method, control_rate_hz=10) == 3
     assert failing_rounds(method) == [1]
+    assert burden_cells(method, 10) == "3.0 | 3.0 | 2.00 | – | 6.0 s | 10 % | 30 | 300"
+
+
+def test_a_newer_result_says_its_burdens_itself():
+    burdens = {"takeovers_an_episode": 1.5, "takeovers_a_minute": 4.25, "median_takeover_s": 0.8}
+    burdens |= {"driving_s_an_episode": 3.0, "labels_an_episode": 40.0}
+    overall = {**burdens, "expert_share": 0.08, "queries": 1320, "episodes": 33}
+    method = {"rounds": [{"round": 1, "horizon": 400.0, "runs": 1}], "overall": overall}
+    assert burden_cells(method, 10) == "1.5 | 4.2 | 2.00 | 0.80 | 3.0 s | 8 % | 40 | 1,320"
+
+
+def test_takeovers_at_random_are_named_by_what_they_share_with_sheaths():
+    older, newer = ({"methods": {"sheath": {}, name: {}}} for name in UNINFORMED[::-1])
+    assert (uninformed(older), alike(older)) == ("random-takeover", "of the same share")
+    assert (uninformed(newer), alike(newer)) == ("random-blocks", "as many and as long")
+    with pytest.raises(KeyError, match="random-blocks or random-takeover"):
+        uninformed({"methods": {}})
 
 
 @pytest.mark.parametrize("name", [name for name in PAGES if name.startswith("docs/")])

@@ -14,6 +14,8 @@ TRAITS = {
     "cloning": (0.01, 1.0),
     "dagger": (0.45, 0.0),
     "sheath": (0.08, 0.35),
+    "sheath-own-labels": (0.12, 0.35),
+    "random-blocks": (0.33, 0.35),
     "random-takeover": (0.33, 0.35),
 }
 
@@ -35,6 +37,8 @@ def record(
         queries=steps,
         switches=switches,
         interventions=switches // 2,
+        control_rate_hz=10.0,
+        turns=(acted // max(switches // 2, 1),) * (switches // 2),
     )
 
 

@@ -1,12 +1,13 @@
 import json
 import math
 import subprocess
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from sheath_manip.burden import Burden
 from sheath_manip.experiments.summary import git_revision, summarise
 from sheath_manip.experiments.table import seeds_shown, table, with_interval
 from sheath_manip.files.json_files import write_json
@@ -18,8 +19,9 @@ PLAN = LearningPlan().changed(
     comparison={"seeds": (0, 1), "evaluation_episodes": 6, "final_episodes": 4},
     schedule={"rounds": 3, "episodes": 5},
 )
+BURDENS = {each.name for each in fields(Burden)}
 ROUND_KEYS = {
-    "round", "runs", "executed", "policy", "expert_share", "queries", "switches_per_episode",
+    "round", "runs", "executed", "policy", "expert_share", "queries", *BURDENS,
     "false_alarm_rate", "missed_rate", "surrogate_loss", "horizon", "epsilon", "xi", "bound",
     "measured", "threshold", "states",
 }  # fmt: skip

@@ -14,7 +14,7 @@ from sheath_manip.types import Episode
 from tests.buttons import BUTTONS, PLAN
 
 # What is followed comes first.
-ORDER = sorted(METHODS, key=lambda name: METHODS[name].share_from is not None)
+ORDER = sorted(METHODS, key=lambda name: METHODS[name].burden_from is not None)
 
 
 def run(

@@ -236,7 +236,7 @@ def test_missing_foreign_and_pickled_files(tmp_path):
         ({"gate": GATE | {"support": {"name": "knn"}}}, "unknown support estimator 'knn'"),
         ({"gate": GATE | {"support": {"mu": 1}}}, "is no config of a gate"),
         ({"gate": GATE | {"signal": "hunch"}}, "unknown signal 'hunch'"),
-        ({"gate": GATE | {"labels": "some"}}, "labels is 'some'; wanted all or own"),
+        ({"gate": GATE | {"labels": "some"}}, "labels is 'some'; wanted all, own, drawn"),
         ({"gate": GATE | {"mu": 1}}, "is no config of a gate"),
         ({"sources": None}, "broken"),
         ({"policy": {}}, "broken"),

@@ -51,7 +51,7 @@ def test_an_unknown_setting_is_named(content):
         (lambda: ThresholdConfig(expert_budget=0.0), "expert_budget is 0.0; wanted"),
         (lambda: GateConfig(release_rate=1.0), "release_rate is 1.0; wanted"),
         (lambda: GateConfig(minimum_hold_steps=-1), "minimum_hold_steps is -1; wanted"),
-        (lambda: GateConfig(labels="some"), "wanted all or own"),
+        (lambda: GateConfig(labels="some"), "wanted all, own, drawn"),
         (lambda: Schedule(rounds=0), "rounds is 0; wanted"),
         (lambda: Schedule(calibration=2), "calibration is 2; the threshold wants"),
         (lambda: Schedule(alpha=0.0), "alpha is 0.0; wanted"),

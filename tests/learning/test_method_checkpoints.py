@@ -1,5 +1,6 @@
 """Every method's checkpoints: what its first policy is, its gate, and the episodes behind it."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -53,8 +54,9 @@ def test_every_checkpoint_knows_its_gate_and_its_episodes(whole):
     for name in ORDER:
         for number in (1, 2):
             checkpoint = load_checkpoint(round_path(whole, 0, name, number, "npz"), SPEC)
-            share = checkpoint.fitted.config.expert_share
-            wanted = METHODS[name].plan(PLAN).changed(gate={"expert_share": share})
+            config = checkpoint.fitted.config
+            given = {"expert_share": config.expert_share, "blocks": asdict(config.blocks)}
+            wanted = METHODS[name].plan(PLAN).changed(gate=given)
             assert checkpoint.fitted.config == wanted.gate
             assert (checkpoint.fitted.signal is not None) is METHODS[name].uses_signal(PLAN)
             sources = checkpoint.fitted.sources

@@ -1,10 +1,13 @@
 """The expert's share of the steps: of the paper, decaying, within a budget, or another's."""
 
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.results import round_path, round_results
 from sheath_manip.metrics import expert_share
@@ -46,6 +49,33 @@ def test_a_budget_is_kept_nearly(tmp_path):
     results = run("thrifty-dagger", tmp_path, plan)
     shares = [expert_share(result.executed) for result in results[2:]]
     assert np.mean(shares) == pytest.approx(plan.gate.threshold.expert_budget, abs=0.12)
+
+
+def test_random_blocks_are_as_many_and_as_long_as_the_takeovers_of_the_same_round(whole):
+    for ours, theirs in zip(
+        round_results(whole, 0, "random-blocks")[1:],
+        round_results(whole, 0, "sheath")[1:],
+        strict=True,
+    ):
+        path = round_path(whole, 0, "random-blocks", ours.round - 1, "npz")
+        blocks = load_checkpoint(path, SPEC).fitted.config.blocks
+        turns = [steps for record in theirs.executed for steps in record.turns]
+        assert list(blocks.steps) == turns
+        free = sum(record.steps - record.expert_steps for record in theirs.executed)
+        assert blocks.rate == pytest.approx(len(turns) / (free + len(theirs.executed)))
+        count = sum(record.interventions for record in ours.executed)
+        assert abs(count - len(turns)) <= 3 * max(len(turns), 1) ** 0.5 + 1
+
+
+def test_rounds_of_before_takeovers_had_lengths_say_so(whole, tmp_path):
+    shutil.copytree(whole, tmp_path / "run")
+    shutil.rmtree(tmp_path / "run" / "s0" / "random-blocks")
+    path = round_path(tmp_path / "run", 0, "sheath", 1, "json")
+    content = json.loads(path.read_text())
+    assert any(record.pop("turns") for record in content["executed"])
+    path.write_text(json.dumps(content))
+    with pytest.raises(ParameterError, match="do not say how long takeovers were"):
+        run("random-blocks", tmp_path / "run")
 
 
 def test_a_follower_of_own_labels_gets_their_share(whole):

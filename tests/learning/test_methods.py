@@ -20,7 +20,7 @@ from tests.buttons import BUTTONS, PLAN, SPEC, ButtonCorridor
 from tests.learning.buttons_run import ORDER, episodes, run, uninterrupted
 
 ALL_LABELLED = {"cloning", "dagger", "dagger-beta", "smile", "sheath", "sheath-plain",
-                "random-takeover"}  # fmt: skip
+                "random-takeover", "random-blocks"}  # fmt: skip
 OWN_LABELS = {"sheath-own-labels", "hg-dagger", "lazy-dagger", "thrifty-dagger",
               "random-own-labels"}  # fmt: skip
 

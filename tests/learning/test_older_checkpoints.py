@@ -10,6 +10,8 @@ from sheath_manip.exceptions import CheckpointError
 from sheath_manip.files.json_files import plain
 from sheath_manip.gates.config import GateConfig, planned_signal
 from sheath_manip.gates.fitted import Sources
+from sheath_manip.gates.labels.every_step import EveryStep
+from sheath_manip.gates.labels.gate import LabellingGate
 from sheath_manip.gates.query import QueryFilter
 from sheath_manip.gates.support import SupportGate
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
@@ -113,9 +115,12 @@ def test_with_the_plan_of_its_run_it_has_the_gate_that_it_was_trained_with(
     np.testing.assert_array_equal(
         loaded.fitted.scores(held_out()), checkpoint.fitted.scores(held_out())
     )
-    gate = loaded.gate()
+    labelling = loaded.gate()
+    assert isinstance(labelling, LabellingGate)
+    assert [type(rule) for rule in labelling.rules] == [EveryStep]
+    gate = labelling.gate
     assert isinstance(gate, SupportGate)
-    assert (gate.quiet_steps, gate.minimum_hold_steps, gate.query) == (1, 5, True)
+    assert (gate.quiet_steps, gate.minimum_hold_steps) == (1, 5)
     # Which episodes it was fitted to was not written then.
     assert loaded.fitted.sources == Sources()
 

@@ -29,7 +29,7 @@ from tests.deciding import decided, of_the_page, of_the_run, recorded
 from tests.toy import CORRIDOR, PLAN, STUDY
 
 # What is followed comes first.
-ORDER = sorted(METHODS, key=lambda name: METHODS[name].share_from is not None)
+ORDER = sorted(METHODS, key=lambda name: METHODS[name].burden_from is not None)
 SMALL = PLAN.changed(
     policy={"name": "hog-svm"},
     gate={

@@ -20,7 +20,8 @@ GOOD = {
     "cloning": (0, 60, 0.9),
     "dagger": (300, 85, 0.96),
     "sheath": (20, 90, 0.97),
-    "random-takeover": (200, 80, 0.96),
+    "sheath-own-labels": (20, 90, 0.97),
+    "random-blocks": (200, 80, 0.96),
 }
 
 
@@ -76,7 +77,11 @@ def test_good_results_break_no_claim(tmp_path):
     [
         ("sheath", (50, 90, 0.97), ["sheets that SHEATH ruins"]),
         ("dagger", (10, 85, 0.96), ["sheets that SHEATH ruins, those of DAgger"]),
-        ("random-takeover", (20, 80, 0.96), ["sheets that SHEATH ruins, those of random takeover"]),
+        (
+            "random-blocks",
+            (20, 80, 0.96),
+            ["sheets that SHEATH ruins, those of takeovers at random"],
+        ),
         ("sheath", (20, 70, 0.97), ["discs that SHEATH's final policy frees alone"]),
         ("sheath", (20, 90, 0.94), ["IoU of those discs"]),
         (

@@ -45,6 +45,6 @@ def test_the_plans_name_known_variants_and_methods():
         for variant in (plan.schedule.variant, plan.comparison.final_variant):
             assert variant in {**PLATFORMER.variants, **PLATFORMER.run_variants}
         for name in plan.comparison.methods:
-            followed = method_named(name).share_from
+            followed = method_named(name).burden_from
             assert followed is None or followed in plan.comparison.methods
     assert len(STUDY.plans["full"].comparison.seeds) == 50

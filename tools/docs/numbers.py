@@ -6,6 +6,8 @@ What they are given are parts of a `summary.json`; a number that the summary lac
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from sheath_manip.experiments.burdens import overall_burdens
+from sheath_manip.experiments.claims import UNINFORMED, uninformed
 from sheath_manip.metrics import endings
 
 Figures = Mapping[str, Any]
@@ -63,21 +65,48 @@ def failing_rounds(method: Figures) -> list[int]:
     return [each["round"] for each in rounds if each["executed"]["failure_rate"]]
 
 
+def takeovers_a_minute(method: Figures, control_rate_hz: float) -> float:
+    """Return how often a minute somebody else took over from the policy, over all rounds."""
+    return overall_burdens(method, control_rate_hz)["takeovers_a_minute"] or 0.0
+
+
 def takeover_s(method: Figures, control_rate_hz: float) -> str:
     """Return how many seconds a takeover took in the mean; a dash where there were none."""
-    a_minute = takeovers_a_minute(method, control_rate_hz)
-    return f"{60 * method['overall']['expert_share'] / a_minute:.2f}" if a_minute else "–"
+    found = overall_burdens(method, control_rate_hz)
+    count, driving_s = found["takeovers_an_episode"], found["driving_s_an_episode"]
+    return f"{driving_s / count:.2f}" if count and driving_s is not None else "–"
 
 
-def takeovers_a_minute(method: Figures, control_rate_hz: float) -> float:
-    """Return how often a minute somebody else took over from the policy, over all rounds.
+def burden_cells(method: Figures, control_rate_hz: float) -> str:
+    """Return what a method asked of the expert, as cells; a dash for what the result does not say.
 
-    Half of the changes of who acts, in rounds of equally many episodes.
+    `2.2 | 20 | 0.73 | 0.6 | 1.6 s | 18.4 % | 86 | 8,226`: takeovers an episode and a minute,
+    seconds each in the mean and the median, driving an episode, its share, labels an episode and a
+    run.
     """
-    rounds = [each for each in method["rounds"] if each["round"] > 0]
-    steps = sum(each["horizon"] for each in rounds) / len(rounds)
-    changes = method["overall"]["switches_per_episode"]
-    return changes / 2 / (steps / control_rate_hz / 60)
+    found, overall = overall_burdens(method, control_rate_hz), method["overall"]
+    cells = (
+        written(found["takeovers_an_episode"], ".1f"),
+        written(found["takeovers_a_minute"], ".1f"),
+        takeover_s(method, control_rate_hz),
+        written(found["median_takeover_s"], ".2f"),
+        written(found["driving_s_an_episode"], ".1f", " s"),
+        percent(overall["expert_share"], 1),
+        written(found["labels_an_episode"], ",.0f"),
+        written(overall["queries"], ",.0f"),
+    )
+    return " | ".join(cells)
+
+
+def written(value: float | None, form: str, unit: str = "") -> str:
+    """Return a number as `form` says, with its unit; a dash where there is none."""
+    return "–" if value is None else f"{value:{form}}{unit}"
+
+
+def alike(summary: Figures) -> str:
+    """Return in what takeovers at random are like SHEATH's: number and length, or share alone."""
+    blocks = uninformed(summary) == UNINFORMED[0]
+    return "as many and as long" if blocks else "of the same share"
 
 
 def minutes(seconds: float) -> int:

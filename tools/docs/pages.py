@@ -17,7 +17,9 @@ ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = Path(__file__).parent / "templates"
 NOTE = "<!-- Made by `python -m tools.make_docs` from {source}; change that. -->\n"
 NUMBERS = (
+    numbers.alike,
     numbers.auroc,
+    numbers.burden_cells,
     numbers.ended,
     numbers.failing_rounds,
     numbers.hits,
@@ -28,6 +30,7 @@ NUMBERS = (
     numbers.rate,
     numbers.takeover_s,
     numbers.takeovers_a_minute,
+    numbers.uninformed,
     numbers.with_interval,
 )
 

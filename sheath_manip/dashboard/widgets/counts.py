@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from html import escape
+from math import isnan
 
+from sheath_manip.burden import StepCounts
 from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.snapshot import Snapshot
-from sheath_manip.dashboard.tally import Share
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.metrics import ENDED
 from sheath_manip.playback import palette
@@ -46,7 +47,7 @@ def _facts(info: EpisodeInfo, steps: int, most: int) -> str:
     )
 
 
-def _limited(now: tuple[Limited, ...], episode: Share, series: Share | None) -> str:
+def _limited(now: tuple[Limited, ...], episode: StepCounts, series: StepCounts | None) -> str:
     """What the command filter did to the step, and how often it did anything."""
     told = " · ".join(f"{escape(each.limit)} {each.by:.0%}" for each in now)
     counted = " · ".join(
@@ -62,15 +63,16 @@ def _limited(now: tuple[Limited, ...], episode: Share, series: Share | None) -> 
     )
 
 
-def _counts(episode: Share, series: Share | None, outcomes: Mapping[Outcome, int]) -> str:
-    shares = [episode] if series is None else [episode, series]
+def _counts(episode: StepCounts, series: StepCounts | None, outcomes: Mapping[Outcome, int]) -> str:
+    counted = [episode] if series is None else [episode, series]
 
-    def row(name: str, count: Callable[[Share], object]) -> str:
-        cells = "".join(f"<td>{count(share)}</td>" for share in shares)
+    def row(name: str, said: Callable[[StepCounts], object]) -> str:
+        cells = "".join(f"<td>{said(counts)}</td>" for counts in counted)
         return f'<tr><td style="opacity:.6;text-align:left">{name}</td>{cells}</tr>'
 
     # Of one episode alone they stand above.
-    steps = "" if series is None else row("steps", lambda share: share.steps)
+    steps = "" if series is None else row("steps", lambda counts: counts.steps)
+    each = "" if series is None else row("… an episode", _takeovers_an_episode)
     headings = "<td></td><td>this episode</td><td>all of its kind</td>" if series else ""
     ended = " &nbsp; ".join(
         f'<span style="white-space:nowrap">'
@@ -82,9 +84,21 @@ def _counts(episode: Share, series: Share | None, outcomes: Mapping[Outcome, int
     return (
         f'<div style="{TEXT}"><table style="width:100%;text-align:right;line-height:1.25">'
         f'<tr style="opacity:.6">{headings}</tr>'
-        f"{row('driven by others', lambda share: f'{share.expert_share:.0%}')}"
-        f"{row('interventions', lambda share: share.interventions)}"
-        f"{row('switches', lambda share: share.switches)}"
-        f"{row('labels', lambda share: share.queries)}"
+        f"{row('takeovers', lambda counts: counts.takeovers)}{each}"
+        f"{row('… a minute', lambda counts: _number(counts.takeovers_a_minute))}"
+        f"{row('driven by others', _driving)}"
+        f"{row('labels', lambda counts: counts.labels)}"
         f'{steps}</table><div style="margin-top:0.3em">{ended}</div></div>'
     )
+
+
+def _takeovers_an_episode(counts: StepCounts) -> str:
+    return _number(counts.takeovers_an_episode)
+
+
+def _driving(counts: StepCounts) -> str:
+    return f"{counts.driving_s:.1f} s ({counts.expert_share:.0%})"
+
+
+def _number(value: float) -> str:
+    return "–" if isnan(value) else f"{value:.1f}"

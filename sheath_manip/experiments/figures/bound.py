@@ -1,6 +1,7 @@
 """Theorem 4.2 by round: what bounds the mistakes of an episode, and how many there were."""
 
 from collections.abc import Mapping
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +22,17 @@ from sheath_manip.experiments.figures.style import (
     shown,
 )
 
+PANELS = 4
+"""that stand beside each other"""
 FIT, OUTSIDE = "#9aa1ab", "#56B4E9"
 
 
 def bound(summary: Mapping[str, Any], path: Path) -> None:
     """Draw one panel a method: T (epsilon_N + xi) as a sum of two parts, and the measured J."""
     methods = {name: summary["methods"][name] for name in drawn_methods(summary["methods"])}
-    with drawing(path, height_px=720) as figure:
+    rows = ceil(len(methods) / PANELS)
+    columns = ceil(len(methods) / rows)
+    with drawing(path, height_px=300 + 420 * rows) as figure:
         heading(
             figure,
             found(summary),
@@ -35,8 +40,10 @@ def bound(summary: Mapping[str, Any], path: Path) -> None:
             f"expert's; means over {counted(len(summary['seeds']), 'training seed')}"
             f"{left_out(summary['methods'])}",
         )
-        grid = figure.subplots(1, len(methods), sharex=True, sharey=True, squeeze=False)[0]
-        for axes, (name, method) in zip(grid, methods.items(), strict=True):
+        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+        for axes in grid[len(methods) :]:
+            axes.set_visible(False)
+        for axes, (name, method) in zip(grid, methods.items(), strict=False):
             _parts(axes, method["rounds"])
             axes.set_title(shown(name))
             round_axis(axes, last_round(summary), label=False)
@@ -44,7 +51,8 @@ def bound(summary: Mapping[str, Any], path: Path) -> None:
         # Once for all panels: they share the axis, and the first alone would cut the others off.
         round_ticks(grid[0].yaxis)
         grid[0].set_ylim(0, 1.08 * _highest(methods))
-        grid[0].set_ylabel("control steps of an episode")
+        for axes in grid[::columns]:
+            axes.set_ylabel("control steps of an episode")
         handles, labels = grid[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
 

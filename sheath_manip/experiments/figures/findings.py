@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from sheath_manip.experiments.burdens import overall_burdens
 from sheath_manip.experiments.figures.style import drawn_methods, in_percent, shown
 
 OVERALL, FINAL = "overall", "final"
@@ -29,11 +30,14 @@ def failures(summary: Mapping[str, Any]) -> str:
 def burden(summary: Mapping[str, Any]) -> str:
     """Return how much the expert had to do."""
     name, _ = _compared(summary["methods"])
-    overall = summary["methods"][name]["overall"]
-    share, switches = in_percent(overall["expert_share"]), overall["switches_per_episode"]
+    method = summary["methods"][name]
+    burdens = overall_burdens(method, summary.get("control_rate_hz"))
+    takeovers, a_minute = burdens["takeovers_an_episode"], burdens["takeovers_a_minute"]
+    often = "" if a_minute is None else f" ({a_minute:.2g} a minute)"
+    share = in_percent(method["overall"]["expert_share"])
     return (
-        f"{shown(name)}'s expert acts in {share} of the steps; who acts changes "
-        f"{switches:.2g} times an episode"
+        f"{shown(name)}'s expert takes over {takeovers:.2g} times an episode{often} and drives in "
+        f"{share} of the steps"
     )
 
 

@@ -1,4 +1,4 @@
-"""Failures and the task's metric by round: while learning, and of the policy alone."""
+"""How episodes ended and the task's metric by round: while learning, and of the policy alone."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -27,16 +27,23 @@ from sheath_manip.experiments.figures.style import (
     round_ticks,
     shown,
 )
+from sheath_manip.metrics import ENDED, endings
+from sheath_manip.types import Outcome
 
-FAILURE = "failure_rate"
+ROWS = (Outcome.FAILURE, Outcome.TIME_LIMIT, Outcome.SUCCESS)
+"""how an episode ends: a row each, above that of the task's metric"""
+RATES = {ENDED[each]: each for each in ROWS}
+"""by the word; what is none of them is the name of a metric"""
 
 
 def rounds(summary: Mapping[str, Any], path: Path) -> None:
-    """Above: what really ran in each round and in all. Below: each round's policy alone."""
+    """Left: what really ran in each round and in all. Right: each round's policy alone."""
     metric = summary["metric"]
     plan = summary["plan"]
     name = quantity(metric)
-    with drawing(path, height_px=1150) as figure:
+    # Of a task whose metric is its success nothing is shown twice.
+    shown_rows = (*RATES, *([metric] if _tells_more(summary) else []))
+    with drawing(path, height_px=200 + 450 * len(shown_rows)) as figure:
         heading(
             figure,
             failures(summary),
@@ -45,30 +52,36 @@ def rounds(summary: Mapping[str, Any], path: Path) -> None:
             f"{counted(plan['comparison']['evaluation_episodes'], 'held-out scene')}; "
             f"bars are 95 % intervals{left_out(summary['methods'])}",
         )
-        grid = figure.subplots(2, 4, width_ratios=(6, 1.1, 6, 1.1))
-        for column, figure_name in ((0, FAILURE), (2, metric)):
-            above, below = grid[0, column], grid[1, column]
-            _by_round(above, summary, "executed", figure_name, first=1)
-            _by_round(below, summary, "policy", figure_name, first=0)
-            _pooled(grid[0, column + 1], summary, "overall", figure_name)
-            _pooled(grid[1, column + 1], summary, "final", figure_name)
-        shared = [grid[0, :2], grid[1, :2], grid[0, 2:]]
+        grid = figure.subplots(len(shown_rows), 4, width_ratios=(6, 1.3, 6, 1.3))
         # Another final variant is on a scale of its own, such as three laps instead of one.
         same = plan["schedule"]["variant"] == plan["comparison"]["final_variant"]
-        for panels in (*shared, grid[1, 2:]) if same else (*shared, grid[1, 2:3], grid[1, 3:]):
-            _fit_height(list(panels))
-        if same:
-            _as_beside(grid[1, 3])
-            grid[1, 3].set_xlabel("last\npolicy")
-        for axes in grid[:, 0]:
-            axes.set_ylabel("episodes failed")
-        for axes in grid[:, 2]:
-            axes.set_ylabel(name)
-        grid[0, 0].set_title("Failed episodes while learning, under the gate")
-        grid[0, 2].set_title(f"{capitalised(name)} while learning, under the gate")
-        grid[1, 0].set_title("Failed episodes of the policy alone")
-        grid[1, 2].set_title(f"{capitalised(name)} of the policy alone")
+        for row, figure_name in zip(grid, shown_rows, strict=True):
+            learning, all_rounds, alone, final = row
+            _by_round(learning, summary, "executed", figure_name, first=1)
+            _pooled(all_rounds, summary, "overall", figure_name)
+            _by_round(alone, summary, "policy", figure_name, first=0)
+            _pooled(final, summary, "final", figure_name)
+            _fit_height([learning, all_rounds])
+            if same or figure_name in RATES:
+                _fit_height([alone, final])
+                _as_beside(final)
+            else:
+                _fit_height([alone])
+                _fit_height([final])
+            if same:
+                final.set_xlabel("last\npolicy")
+            what = capitalised(figure_name if figure_name in RATES else name)
+            learning.set_title(f"{what} while learning, under the gate")
+            alone.set_title(f"{what}: the policy alone")
+            for axes in (learning, alone):
+                axes.set_ylabel("share of episodes" if figure_name in RATES else name)
         legend_below(figure, grid[0, 0])
+
+
+def _tells_more(summary: Mapping[str, Any]) -> bool:
+    """Whether the metric differs from the rate of success."""
+    figures = [method["overall"] for method in summary["methods"].values()]
+    return any(each["metric"].get(summary["metric"]) != each["success_rate"] for each in figures)
 
 
 def _by_round(
@@ -95,7 +108,7 @@ def _by_round(
             axes.plot(0, value[0], "o", color=INK, markersize=6, zorder=4)
     _expert(axes, summary, figure_name)
     round_axis(axes, last_round(summary))
-    if figure_name == FAILURE:
+    if figure_name in RATES:
         percent_axis(axes)
     else:
         round_ticks(axes.yaxis)
@@ -117,7 +130,7 @@ def _pooled(axes: Axes, summary: Mapping[str, Any], what: str, figure_name: str)
     axes.set_xlabel({"overall": "all\nrounds", "final": "final\nvariant"}[what])
     axes.set_facecolor(PAPER)
     round_ticks(axes.yaxis)
-    if figure_name == FAILURE or what == "overall":
+    if what == "overall":
         _as_beside(axes)
 
 
@@ -134,10 +147,13 @@ def _expert(axes: Axes, summary: Mapping[str, Any], figure_name: str) -> None:
 
 def _point(figures: Mapping[str, Any], name: str) -> tuple[float, float, float]:
     """A figure and its interval; NaN, which is not drawn, where there is none."""
-    value = figures[FAILURE] if name == FAILURE else figures["metric"].get(name)
-    if value is None:
+    if name in RATES:
+        value, interval = endings(figures)[name]
+    else:
+        value, interval = figures["metric"].get(name), figures["ci95"].get(name)
+    if value is None or interval is None:
         return np.nan, np.nan, np.nan
-    low, high = figures["ci95"][name]
+    low, high = interval
     return value, low, high
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -37,9 +38,17 @@ TICK_STEPS = (1, 2, 5, 10)
 SPREAD = 0.44
 """of a round's width, over which the methods stand side by side so that none hides another"""
 
-MOST_METHODS = 4
+MOST_METHODS = 6
 """in a panel; the rest is in the table"""
-FIRST = ("sheath", "dagger", "random-takeover", "cloning")
+FIRST = (
+    "sheath",
+    "dagger",
+    "random-blocks",
+    "sheath-own-labels",
+    "hg-dagger",
+    "cloning",
+    "random-takeover",
+)
 """methods that are drawn before others"""
 LEGEND_COLUMNS = 5
 """of methods' names that fit beside each other"""
@@ -150,7 +159,8 @@ def counted(count: int, what: str) -> str:
 def legend_below(figure: Figure, axes: Axes) -> None:
     """The legend of `axes` for all of `figure`."""
     handles, labels = axes.get_legend_handles_labels()
-    columns = min(len(labels), LEGEND_COLUMNS)
+    # In rows of equal length where one is not enough.
+    columns = ceil(len(labels) / ceil(len(labels) / LEGEND_COLUMNS))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 

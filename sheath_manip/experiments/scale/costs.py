@@ -126,7 +126,7 @@ def _in_order(plan: LearningPlan) -> list[str]:
     from sheath_manip.learning.methods import method_named
 
     names = plan.comparison.methods
-    return sorted(names, key=lambda name: method_named(name).share_from is not None)
+    return sorted(names, key=lambda name: method_named(name).burden_from is not None)
 
 
 def _costs(

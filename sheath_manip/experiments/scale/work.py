@@ -58,10 +58,10 @@ def _seed(pieces: _Pieces) -> None:
     judged = pieces.add("judging", costs.alone_s, first, pieces.plan.comparison.evaluation_episodes)
     rounds: dict[str, list[list[int]]] = {}
     names = sorted(
-        pieces.plan.comparison.methods, key=lambda name: method_named(name).share_from is not None
+        pieces.plan.comparison.methods, key=lambda name: method_named(name).burden_from is not None
     )
     for name in names:
-        followed = method_named(name).share_from
+        followed = method_named(name).burden_from
         rounds[name] = _method(pieces, name, judged, states, rounds.get(followed or "", []))
 
 

@@ -3,12 +3,17 @@
 from functools import partial
 from itertools import accumulate
 
-from sheath_manip.experiments.claims import Claim, Summary, constant
+from sheath_manip.experiments.claims import Claim, Summary, constant, uninformed
 
 
 def failure_rate(method: str, summary: Summary) -> float:
     """Executed failure rate over all rounds and seeds."""
     return summary["methods"][method]["overall"]["failure_rate"]
+
+
+def failure_rate_at_random(summary: Summary) -> float:
+    """Executed failure rate of takeovers at random with SHEATH's burden."""
+    return failure_rate(uninformed(summary), summary)
 
 
 def third_of_daggers(summary: Summary) -> float:
@@ -22,17 +27,17 @@ def expert_share(summary: Summary) -> float:
 
 
 def rounds_above_random(summary: Summary) -> float:
-    """Return in how many rounds SHEATH failed more often than random takeover of its share."""
-    ours, random = (_executed(summary, method) for method in ("sheath", "random-takeover"))
+    """Return in how many rounds SHEATH failed more often than takeovers at random."""
+    ours, random = (_executed(summary, method) for method in ("sheath", uninformed(summary)))
     return sum(own > other for own, other in zip(ours, random, strict=False))
 
 
 def rounds_not_below_random_so_far(summary: Summary) -> float:
-    """Return after how many rounds SHEATH had failed as often as random takeover, or more.
+    """Return after how many rounds SHEATH had failed as often as takeovers at random, or more.
 
     Counted from the first round on: where neither failed a round tells nothing of its own.
     """
-    ours, random = (_executed(summary, method) for method in ("sheath", "random-takeover"))
+    ours, random = (_executed(summary, method) for method in ("sheath", uninformed(summary)))
     pairs = zip(accumulate(ours), accumulate(random), strict=False)
     return sum(own >= other for own, other in pairs)
 
@@ -102,23 +107,23 @@ CLAIMS = (
     ),
     Claim("SHEATH's expert share", expert_share, "<=", partial(constant, 0.3)),
     Claim(
-        "rounds in which SHEATH failed more often than random takeover",
+        "rounds in which SHEATH failed more often than takeovers at random",
         rounds_above_random,
         "<=",
         partial(constant, 0),
     ),
     Claim(
-        "rounds up to which SHEATH failed as often as random takeover",
+        "rounds up to which SHEATH failed as often as takeovers at random",
         rounds_not_below_random_so_far,
         "<=",
         partial(constant, 0),
     ),
     Claim("final laps lost to DAgger, its interval", laps_lost, "<=", interval_width),
     Claim(
-        "SHEATH's executed failure rate, random takeover's",
+        "SHEATH's executed failure rate, that of takeovers at random",
         partial(failure_rate, "sheath"),
         "<",
-        partial(failure_rate, "random-takeover"),
+        failure_rate_at_random,
     ),
     Claim("false alarms, off the asked rate", false_alarm_error, "<=", partial(constant, 0.03)),
 )

@@ -2,12 +2,17 @@
 
 from functools import partial
 
-from sheath_manip.experiments.claims import Claim, Summary, constant
+from sheath_manip.experiments.claims import Claim, Summary, constant, uninformed
 
 
 def ruined(method: str, summary: Summary) -> float:
     """Share of the executed episodes that ruined a sheet, over all rounds and seeds."""
     return summary["methods"][method]["overall"]["failure_rate"]
+
+
+def ruined_at_random(summary: Summary) -> float:
+    """Share of executed episodes that ruined a sheet under takeovers at random."""
+    return ruined(uninformed(summary), summary)
 
 
 def freed_alone(method: str, summary: Summary) -> float:
@@ -47,10 +52,10 @@ CLAIMS = (
         partial(ruined, "dagger"),
     ),
     Claim(
-        "sheets that SHEATH ruins, those of random takeover",
+        "sheets that SHEATH ruins, those of takeovers at random",
         partial(ruined, "sheath"),
         "<",
-        partial(ruined, "random-takeover"),
+        ruined_at_random,
     ),
     Claim(
         "discs that SHEATH's final policy frees alone",

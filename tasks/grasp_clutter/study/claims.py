@@ -82,6 +82,24 @@ CLAIMS = (
     ),
 )
 
+
+def near_the_experts(summary: Summary) -> float:
+    """Return one and a half times the expert's own failure rate, and 2 points."""
+    return 1.5 * summary["expert"]["failure_rate"] + 0.02
+
+
+HARD = (
+    Claim("training seeds", training_seeds, ">=", partial(constant, 3)),
+    Claim("clean demonstrations", demonstrations, "<=", partial(constant, 60)),
+    Claim("held-out scenes of each final policy", final_scenes, ">=", partial(constant, 100)),
+    Claim(
+        "share of SHEATH's executed episodes that topple, 1.5 times the expert's and 2 points",
+        partial(toppled_while_learning, "sheath"),
+        "<=",
+        near_the_experts,
+    ),
+)
+"""of `results/grasp-clutter-hard`"""
 RECIPE = (
     Claim("held-out scenes", final_scenes, ">=", partial(constant, 100)),
     Claim(

@@ -6,7 +6,7 @@ from sheath_manip.learning.config import Comparison, LearningPlan, Schedule
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.support.config import ThresholdConfig
 from sheath_manip.tasks.grasp_clutter.entry import GRASP_CLUTTER
-from sheath_manip.tasks.grasp_clutter.study.claims import CLAIMS, RECIPE
+from sheath_manip.tasks.grasp_clutter.study.claims import CLAIMS, HARD, RECIPE
 from sheath_manip.tasks.grasp_clutter.study.probes import PROBES
 
 _FULL = LearningPlan(
@@ -70,6 +70,6 @@ STUDY = Study(
         ),
     },
     claims=CLAIMS,
-    plan_claims={"recipe": RECIPE},
+    plan_claims={"hard": HARD, "recipe": RECIPE},
     probes=PROBES,
 )

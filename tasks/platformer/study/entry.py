@@ -4,7 +4,7 @@ from typing import Any
 
 from sheath_manip.experiments.study import Study
 from sheath_manip.gates.config import GateConfig
-from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.config import Comparison, LearningPlan
 from sheath_manip.policies.config import PolicyConfig
 from sheath_manip.support.config import ThresholdConfig
 from sheath_manip.tasks.platformer.entry import PLATFORMER
@@ -63,7 +63,7 @@ _FULL = _LINEAR.changed(
             "sheath-plain",
             "sheath",
             "sheath-own-labels",
-            "random-takeover",
+            "random-blocks",
             "random-own-labels",
         ),
         "seeds": tuple(range(50)),
@@ -103,7 +103,7 @@ STUDY = Study(
                 "episodes": 4,
             },
             comparison={
-                "methods": ("dagger", "sheath", "sheath-own-labels", "random-takeover"),
+                "methods": Comparison.methods,
                 "final_episodes": 50,
             },
         ),
