@@ -68,6 +68,8 @@ class Header:
     """what the robot was told to do when the episode began; empty where nothing was said"""
     digests: Mapping[str, str] | None = field(default=None, compare=False)
     """of each array, by its path, as they were written; None where the recording does not say"""
+    checksums: Mapping[str, str] | None = field(default=None, compare=False)
+    """of the checksums of its blocks, by its path; None where the recording does not say"""
 
 
 def header_of(episode: Episode, space: Space | None = None) -> Header:

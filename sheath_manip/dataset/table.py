@@ -43,11 +43,11 @@ def print_list(address: str, console: Console) -> int:
 def readable(reader: EpisodeReader) -> tuple[list[EpisodeSummary], list[str]]:
     """The episodes whose header can be read, and a line for each of the others."""
     summaries, broken = [], []
-    for name in reader.names():
-        try:
-            summaries.append(reader.summary(name))
-        except StoreError as error:
-            broken.append(str(error))
+    for summary in reader.summaries():
+        if isinstance(summary, StoreError):
+            broken.append(str(summary))
+        else:
+            summaries.append(summary)
     return summaries, broken
 
 
