@@ -7,6 +7,7 @@ pages back where it needs the memory. The file has no name: it is gone with the 
 
 import mmap
 import tempfile
+import weakref
 from pathlib import Path
 from typing import IO
 
@@ -64,6 +65,7 @@ class _Film:
 
     def __init__(self, folder: Path, first: NDArray) -> None:
         self._file: IO[bytes] = tempfile.TemporaryFile(dir=folder, buffering=0)  # noqa: SIM115
+        weakref.finalize(self, self._file.close)
         self._shape, self._dtype, self._count = first.shape[1:], first.dtype, 0
 
     def append(self, images: NDArray) -> None:

@@ -44,8 +44,10 @@ class EpisodeIndex:
 
     def __init__(self, store: Path) -> None:
         self._store = store
+        self._inode = 0
+        """of the file that was added to last"""
         self._told = set[str]()
-        """the specs that this process has written, by their digests"""
+        """the specs that were written to that one, by their digests"""
         self._lines = 0
         """when it was read"""
 
@@ -78,15 +80,19 @@ class EpisodeIndex:
             self._add(noted[name] for name in new)
 
     def _add(self, noted: Iterable[Noted]) -> None:
-        lines = _lines(noted, self._told)
-        if not lines:
+        waiting = list(noted)
+        if not waiting:
             return
         with suppress(OSError):
             flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
             descriptor = os.open(self._store / INDEX, flags, 0o644)
             try:
+                inode = os.fstat(descriptor).st_ino
+                if inode != self._inode:
+                    # Another file, which nothing has been told yet.
+                    self._inode, self._told = inode, set()
                 # What another process did not bring to its end ends here.
-                os.write(descriptor, b"\n" + b"\n".join(lines))
+                os.write(descriptor, b"\n" + b"\n".join(_lines(waiting, self._told)))
             finally:
                 os.close(descriptor)
 

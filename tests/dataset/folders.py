@@ -7,8 +7,13 @@ from pathlib import Path
 from sheath_manip.dataset.archive import SUFFIX, write_archive
 from sheath_manip.dataset.index import INDEX
 from sheath_manip.dataset.marker import MARKER
+from sheath_manip.dataset.naming import is_episode_name
 from sheath_manip.dataset.places import archive_path
+from sheath_manip.dataset.rooted_files import entries, is_folder, kind_of
 from sheath_manip.dataset.store import EpisodeStore
+
+MOST_BYTES = 64 << 20
+"""of a folder that is made an archive: one that is larger is so to take nobody's memory"""
 
 
 def as_folders(store: Path) -> None:
@@ -18,6 +23,20 @@ def as_folders(store: Path) -> None:
     (store / INDEX).unlink(missing_ok=True)
     marker = store / MARKER
     marker.write_text(marker.read_text().replace('"schema": 2', '"schema": 1'))
+
+
+def repack(store: Path) -> None:
+    """Make an archive of every folder of an episode in which there are plain files only."""
+    for inside in sorted(store.iterdir()):
+        if is_folder(inside) and is_episode_name(inside.name) and _is_plain(inside):
+            repacked(inside)
+
+
+def _is_plain(inside: Path) -> bool:
+    found = list(entries(inside))
+    names = all(path.isprintable() and "\\" not in path for path, _ in found)
+    sizes = sum(at.st_size for _, at in found)
+    return names and sizes < MOST_BYTES and not any(kind_of(at) for _, at in found)
 
 
 def unpacked(store: EpisodeStore, name: str) -> Path:

@@ -10,6 +10,7 @@ from sheath_manip.dataset.mapped import mapped_samples
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types.samples import Samples, samples_from
+from tests.dataset.folders import unpacked
 from tests.dataset.generated import of_task
 from tests.episodes import INFO, episode_of
 
@@ -89,7 +90,7 @@ def test_no_label_no_training(store, cache) -> None:
 
 
 def test_a_damaged_episode_leaves_no_files(filled, cache) -> None:
-    (filled.path / filled.names()[1] / "images" / "top" / "c.0.0.0.0").write_bytes(b"x")
+    (unpacked(filled, filled.names()[1]) / "images" / "top" / "c.0.0.0.0").write_bytes(b"x")
     with pytest.raises(StoreError, match="images/top does not decode"):
         mapped_samples(filled, filled.names(), cache)
     assert list(cache.iterdir()) == []

@@ -113,6 +113,15 @@ class TestAppending:
             store.append(tiny(replace(INFO, index=8)))
         assert entries(store) == [name, "sheath-store.json"]
 
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"executed": np.array([np.nan, 0], np.float32)}, "'executed' is not finite"),
+            ({"labelled": np.array([0, np.inf], np.float32)}, "'labelled' is not finite"),
+            ({"executed": np.zeros(2)}, r"executed is float64 \(2, 2\); wanted float32"),
+            ({"state": np.zeros(1)}, "different shapes"),
+        ],
+    )
     def test_a_bad_step_is_refused(
         self, store: EpisodeStore, change: dict[str, np.ndarray], message: str
     ) -> None:
