@@ -44,7 +44,7 @@ class EpisodeIndex:
 
     def __init__(self, store: Path) -> None:
         self._store = store
-        self._inode = 0
+        self._inode, self._size = 0, 0
         """of the file that was added to last"""
         self._told = set[str]()
         """the specs that were written to that one, by their digests"""
@@ -87,12 +87,14 @@ class EpisodeIndex:
             flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
             descriptor = os.open(self._store / INDEX, flags, 0o644)
             try:
-                inode = os.fstat(descriptor).st_ino
-                if inode != self._inode:
+                status = os.fstat(descriptor)
+                if status.st_ino != self._inode or status.st_size < self._size:
                     # Another file, which nothing has been told yet.
-                    self._inode, self._told = inode, set()
+                    self._told = set()
                 # What another process did not bring to its end ends here.
-                os.write(descriptor, b"\n" + b"\n".join(_lines(waiting, self._told)))
+                text = b"\n" + b"\n".join(_lines(waiting, self._told))
+                os.write(descriptor, text)
+                self._inode, self._size = status.st_ino, status.st_size + len(text)
             finally:
                 os.close(descriptor)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sheath_manip.dataset.mapped import mapped_samples
+from sheath_manip.dataset.mapped import mapped_once, mapped_samples
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types.samples import Samples, samples_from
@@ -56,6 +56,18 @@ def test_they_are_built_once_for_the_same_episodes(filled, cache, monkeypatch) -
     fewer = mapped_samples(filled, filled.names()[:2], cache)
     assert len(fewer) == 3
     assert len(list(cache.iterdir())) == 2
+
+
+def test_where_they_are_not_kept_nothing_is_left(filled, tmp_path) -> None:
+    once = mapped_once(filled, filled.names(), tmp_path / "runs" / "checkpoint.npz")
+    assert same(once, samples_from(filled.read_many(filled.names())))
+    assert list((tmp_path / "runs").iterdir()) == []
+    with pytest.raises(ParameterError, match="no labelled state"):
+        mapped_once(filled, [], tmp_path / "runs" / "checkpoint.npz")
+    (tmp_path / "file").touch()
+    with pytest.raises(StoreError, match="cannot keep the training states"):
+        mapped_once(filled, filled.names(), tmp_path / "file" / "checkpoint.npz")
+    assert list((tmp_path / "runs").iterdir()) == []
 
 
 def test_an_episode_recorded_anew_is_another(filled, cache) -> None:

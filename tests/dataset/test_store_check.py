@@ -241,6 +241,18 @@ class TestTables:
         assert code == 0
         assert "1 episodes, 0 faults, 1 harmless leftovers" in text
 
+    def test_many_episodes_are_plain_lines(
+        self, store: EpisodeStore, episode: Episode, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        name = store.append(replace(episode, info=replace(episode.info, task="a\n\x1b[31m")))
+        monkeypatch.setattr("sheath_manip.dataset.table.MOST_ROWS", 0)
+        code, text = self.printed(print_list, store)
+        assert code == 0
+        address, headings, line, totals, *_ = text.splitlines()
+        assert (address, headings.split()[:2]) == (str(store.path), ["episode", "task"])
+        assert line.split()[:3] == [name, r"a\n\x1b[31m", "time-limit"]
+        assert "1 episodes, 70 steps" in totals
+
     def test_what_has_no_digest_is_told(self, store: EpisodeStore, episode: Episode) -> None:
         unseal(unpacked(store, store.append(episode)))
         code, text = self.printed(print_check, store)
