@@ -27,9 +27,7 @@ def indexed_summaries(
             if held is not None and held[0] == at:
                 summary = held[1]
             else:
-                summary = EpisodeSummary.of(
-                    name, reader.header(name), sum(reader.files(name).values())
-                )
+                summary = reader.unmarked_summary(name)
                 new.append(name)
             known[name] = at, summary
             yield summary.marked(reader.marks(name)) if name in listed.marked else summary

@@ -12,6 +12,7 @@ import zarr
 from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.store import EpisodeStore
 from tests.cli.conftest import run
+from tests.dataset.folders import unpacked
 from tools.identical import identical
 
 
@@ -85,8 +86,9 @@ class TestLook:
             0,
             "3 episodes, 0 faults, 0 harmless leftovers\n",
         )
-        (store / names(store)[1] / "executed" / "c.0.0").write_bytes(b"x")
-        shutil.rmtree(store / names(store)[1] / "score")
+        inside = unpacked(EpisodeStore(store), names(store)[1])
+        (inside / "executed" / "c.0.0").write_bytes(b"x")
+        shutil.rmtree(inside / "score")
         (store / ".tmp-1").mkdir()
         code, out, err = sheath("data", "check", store)
         assert (code, err) == (1, "")
