@@ -159,7 +159,7 @@ def test_one_store_holds_one_task(tmp_path: Path) -> None:
 
 def test_a_damaged_episode_stops_it(tmp_path: Path) -> None:
     sources = [filled(tmp_path / "a", [0]), filled(tmp_path / "b", [1])]
-    (sources[1].path / sources[1].names()[0] / "state" / "c.0.0").unlink()
+    (unpacked(sources[1], sources[1].names()[0]) / "state" / "c.0.0").unlink()
     target = EpisodeStore.create(tmp_path / "c")
     with pytest.raises(StoreError, match=r"state/c\.0\.0 is missing"):
         merge(sources, target)
