@@ -64,7 +64,7 @@ QUICK = Sizes(
     read_steps=20,
     listed=50,
     frames=1200,
-    frame_pixels=32,
+    frame_pixels=64,
     late_states=2000,
 )
 

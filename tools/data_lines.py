@@ -20,7 +20,7 @@ from tools.many_frames import EPISODE, HELD_OUT, frames_spec, frames_store, refi
 from tools.synthetic import synthetic_episode, synthetic_info
 
 READS = 31
-LATE_PIXELS = 32
+LATE_PIXELS = 64
 """of the frames of a late refit: how long it takes in proportion does not depend on it"""
 
 
