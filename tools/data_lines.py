@@ -16,7 +16,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.policies.cnn import ConvPolicy
 from sheath_manip.types.samples import samples_from
 from tools.bench import Line, at_most, spent_s
-from tools.many_frames import EPISODE, HELD_OUT, frames_spec, frames_store, refit
+from tools.many_frames import HELD_OUT, HELD_OUT_STEPS, frames_spec, frames_store, refit
 from tools.synthetic import synthetic_episode, synthetic_info
 
 READS = 31
@@ -78,7 +78,9 @@ def refit_line(states: int) -> dict[str, Line]:
     with tempfile.TemporaryDirectory(dir=".") as name:
         folder = Path(name)
         store = frames_store(folder / "store", states, LATE_PIXELS)
-        held_out = frames_store(folder / "held-out", HELD_OUT * EPISODE // 4, LATE_PIXELS)
+        held_out = frames_store(
+            folder / "held-out", HELD_OUT * HELD_OUT_STEPS, LATE_PIXELS, HELD_OUT_STEPS
+        )
         calibration = [samples_from([episode]) for episode in held_out.episodes()]
         whole = mapped_once(store, store.names(), folder / "checkpoint.npz")
         sides = [whole.take(np.arange(states // 2)), whole]

@@ -37,8 +37,8 @@ from tools.synthetic import synthetic_episode, synthetic_info
 
 EPISODE = 1000
 """frames"""
-HELD_OUT = 3
-"""episodes of `EPISODE // 4` frames"""
+HELD_OUT, HELD_OUT_STEPS = 3, 250
+"""episodes, and frames in each"""
 CHOICES = np.array([[0, 0], [0.5, 0], [1, 0]], np.float32)
 EVERY_S = 0.02
 
@@ -58,12 +58,12 @@ class Trained:
     """CPU time of policy and gate"""
 
 
-def frames_store(path: Path, frames: int, pixels: int) -> EpisodeStore:
+def frames_store(path: Path, frames: int, pixels: int, episode: int = EPISODE) -> EpisodeStore:
     """Make a store of `frames` labelled ones: a picture that moves, unlike in each episode."""
     store = EpisodeStore.create(path)
     example = recorded_of(synthetic_episode(synthetic_info(0, 0), 2, pixels)).header
-    for index in range(-(-frames // EPISODE)):
-        length = min(EPISODE, frames - index * EPISODE)
+    for index in range(-(-frames // episode)):
+        length = min(episode, frames - index * episode)
         store.append_arrays(_moving(example, index, length, pixels))
     return store
 
@@ -117,7 +117,7 @@ def refit(policy: ConvPolicy, states: Samples, calibration: Sequence[Samples]) -
 def trained(folder: Path, frames: int, pixels: int, gradient_steps: int) -> Trained:
     """Make the frames and train on them."""
     store = frames_store(folder / "store", frames, pixels)
-    held_out = frames_store(folder / "held-out", HELD_OUT * EPISODE // 4, pixels)
+    held_out = frames_store(folder / "held-out", HELD_OUT * HELD_OUT_STEPS, pixels, HELD_OUT_STEPS)
     spec = frames_spec(store, pixels)
     policy = ConvPolicy(spec, warm_steps=gradient_steps)
     with anonymous_peak() as peak:
