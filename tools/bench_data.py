@@ -1,9 +1,10 @@
-"""What recording costs, and how fast frames are drawn for training.
+"""What recording costs, how fast a store is read and listed, and what many frames take.
 
     python -m tools.bench_data [--quick] [--results DIRECTORY]
 
 writes bench-data.json, which `sheath claims` reads. Times are of the CPU, so that other processes
-matter little. --quick takes other sizes, to see that it runs.
+matter little. The million frames take 15 GB of the disk. --quick takes other sizes, to see that it
+runs.
 """
 
 import os
@@ -26,6 +27,7 @@ from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
 from sheath_manip.types.samples import Samples, samples_from
 from tools.bench import Line, at_most, run_bench, spent_s
+from tools.data_lines import listing_line, reading_line, refit_line, training_line
 from tools.synthetic import synthetic_episode, synthetic_info
 
 BATCH = 256
@@ -45,9 +47,26 @@ class Sizes:
     steps: int = 300
     pixels: int = 84
     draws: int = 50
+    read_steps: int = 200
+    listed: int = 10_000
+    frames: int = 1_000_000
+    frame_pixels: int = 64
+    late_states: int = 200_000
 
 
-QUICK = Sizes(turn_s=0.0, turns=1, stored_episodes=2, steps=40, pixels=16, draws=5)
+QUICK = Sizes(
+    turn_s=0.0,
+    turns=1,
+    stored_episodes=2,
+    steps=40,
+    pixels=16,
+    draws=5,
+    read_steps=20,
+    listed=50,
+    frames=1200,
+    frame_pixels=64,
+    late_states=2000,
+)
 
 
 class ClockedRecorder(BackgroundRecorder):
@@ -194,9 +213,20 @@ def _draw(samples: Samples, rng: np.random.Generator) -> Samples:
     return samples.take(rng.integers(0, len(samples), BATCH))
 
 
+def store_lines(sizes: Sizes) -> dict[str, Line]:
+    """How soon an episode is read, and all are listed."""
+    return {**reading_line(sizes.read_steps, sizes.pixels), **listing_line(sizes.listed)}
+
+
+def scale_lines(sizes: Sizes) -> dict[str, Line]:
+    """How much memory many frames take, and what a late refit takes."""
+    return {**training_line(sizes.frames, sizes.frame_pixels), **refit_line(sizes.late_states)}
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print a line a number, write the file."""
-    run_bench("data", __doc__, (drawing_lines, recording_lines), Sizes(), QUICK, arguments)
+    measures = (drawing_lines, store_lines, recording_lines, scale_lines)
+    run_bench("data", __doc__, measures, Sizes(), QUICK, arguments)
 
 
 if __name__ == "__main__":

@@ -46,9 +46,9 @@ class Train(Planned):
     """train also on expert episodes that did not succeed, by what was recorded or marked"""
     seed: int = 0
     """seed of the policy's first weights and the order of its batches"""
-    cache: Annotated[Path | None, default_is("states are read into memory")] = None
-    """directory to keep the training states in, where they shall not be read into memory: files
-    that are written once per set of episodes and mapped"""
+    cache: Annotated[Path | None, default_is("beside the checkpoint, until the end")] = None
+    """directory to keep the training states in, for the next call on the same episodes: they are
+    read from mapped files, which take the room that the images take in memory"""
 
     @property
     def size(self) -> str:
@@ -71,7 +71,7 @@ class Train(Planned):
         from sheath_manip.dataset.compatibility import remarks
         from sheath_manip.dataset.finite import require_finite_features
         from sheath_manip.dataset.locations import open_store
-        from sheath_manip.dataset.mapped import mapped_samples
+        from sheath_manip.dataset.mapped import mapped_once, mapped_samples
         from sheath_manip.gates.fitted import Sources
         from sheath_manip.learning.beforehand import require_makeable
         from sheath_manip.learning.checkpoint import Checkpoint, digest
@@ -112,7 +112,7 @@ class Train(Planned):
         with session.err.status("reading"):
             require_finite_features(store, [*training, *held_out])
             states = (
-                samples_from(store.learnable(training))
+                mapped_once(store, training, self.checkpoint)
                 if self.cache is None
                 else mapped_samples(store, training, self.cache)
             )

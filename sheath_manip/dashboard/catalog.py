@@ -24,9 +24,9 @@ class EpisodeCatalog:
 
     def __init__(self, store: EpisodeReader) -> None:
         self._store = store
-        self._names = store.names()
         self._lock = threading.Lock()
-        self._summaries = [store.summary(name) for name in self._names]
+        self._summaries = store.infos()
+        self._names = [summary.name for summary in self._summaries]
         self._marks = [store.marks(name) for name in self._names]
 
     def __len__(self) -> int:

@@ -50,13 +50,13 @@ _MOST_WORDS = 256
 
 def to_attributes(header: Header) -> dict[str, Any]:
     """The header as JSON; `from_attributes` is its inverse."""
-    fields = asdict(replace(header, space=None, digests=None))
+    fields = asdict(replace(header, space=None, digests=None, checksums=None))
     info = fields.pop("info")
     # What few episodes have is written for those alone.
     for name in ("broken", "waits", "instruction", "signals"):
         if not fields[name]:
             del fields[name]
-    del fields["digests"]
+    del fields["digests"], fields["checksums"]
     for name in ("seed", "round", "index", "run_seed"):
         # A seed often comes from numpy, whose integers JSON does not take.
         info[name] = int(info[name])
@@ -100,17 +100,19 @@ def header_in(name: str, content: bytes) -> Header:
             name, FaultKind.MISMATCH, f"its zarr.json is no group of zarr's format 3; {REMEDY}"
         )
     try:
-        told, digests = unsealed(attributes)
+        told, seals = unsealed(attributes)
     except ValueError as error:
         raise FaultError(
             name, FaultKind.MISMATCH, f"its header is not as it was written: {error}; {REMEDY}"
         ) from error
     header = from_attributes(name, told)
-    if digests is not None and digests.keys() != {spec.path for spec in layout(header)}:
+    if seals is None:
+        return header
+    if seals.digests.keys() != {spec.path for spec in layout(header)}:
         raise FaultError(
             name, FaultKind.MISMATCH, f"it tells digests of other arrays than it has; {REMEDY}"
         )
-    return replace(header, digests=digests)
+    return replace(header, digests=seals.digests, checksums=seals.checksums)
 
 
 def from_attributes(name: str, attributes: Any) -> Header:

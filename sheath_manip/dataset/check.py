@@ -26,14 +26,14 @@ def check_episode(reader: EpisodeReader, name: str) -> list[Fault]:
         header = reader.header(name)
     except FaultError as error:
         return [error.fault]
-    arrays, faults = {}, _folder_faults(reader, name, header)
+    arrays, faults = {}, [*_place_faults(reader, name), *_folder_faults(reader, name, header)]
     for spec in layout(header):
         try:
             # Any pixel is as good as another: to decode is all that is asked of an image.
             if spec.is_image:
                 reader.require_whole(name, spec)
             else:
-                arrays[spec.path] = reader.array(name, spec)
+                arrays[spec.path] = reader.array(name, spec, thorough=True)
         except FaultError as error:
             faults.append(error.fault)
     if faults:
@@ -47,6 +47,14 @@ def require_sound_episode(reader: EpisodeReader, name: str) -> None:
     for fault in check_episode(reader, name):
         if fault.damaging:
             raise FaultError(fault.name, fault.kind, fault.text)
+
+
+def _place_faults(reader: EpisodeReader, name: str) -> list[Fault]:
+    try:
+        reader.require_intact(name)
+    except FaultError as error:
+        return [error.fault]
+    return []
 
 
 def _folder_faults(reader: EpisodeReader, name: str, header: Header) -> list[Fault]:

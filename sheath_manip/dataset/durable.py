@@ -2,7 +2,6 @@
 
 import ctypes
 import os
-from collections.abc import Iterable
 from pathlib import Path
 
 from sheath_manip.files.outputs import sync
@@ -14,8 +13,8 @@ _syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)
 def sync_tree(directory: Path) -> None:
     """Return once everything in `directory` is on the disk; raises OSError.
 
-    Where it can, by one call for the whole file system: an episode has 60 files and directories,
-    and to wait for each costs ten times as much as all that it takes to write them.
+    Where it can, by one call for the whole file system: to wait for each of many files costs ten
+    times as much as all that it takes to write them.
     """
     if _syncfs is None:
         for folder, _, files in os.walk(directory, topdown=False):
@@ -47,21 +46,3 @@ def publish(directory: Path, final: Path) -> None:
             raise FileExistsError(f"{final} exists") from error
         raise
     sync(final.parent)
-
-
-def publish_files(files: Iterable[tuple[str, bytes]], aside: Path, final: Path) -> None:
-    """Write a new directory `aside`, then give it its `final` name as `publish` does.
-
-    Each file is its path in the directory, with slashes, and what is in it; it is written as it
-    comes.
-    """
-    folders = {aside}
-    aside.mkdir()
-    for path, content in files:
-        file = aside / path
-        if file.parent not in folders:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            folders.add(file.parent)
-        with file.open("xb") as opened:
-            opened.write(content)
-    publish(aside, final)

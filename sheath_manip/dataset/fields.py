@@ -51,7 +51,7 @@ def word(value: Any) -> str:
             f"wanted a text of at most {MOST_CHARACTERS} letters, found {shown(value)}"
         )
     # As a lone surrogate, which no terminal and no file takes.
-    if any("\ud800" <= character <= "\udfff" for character in value):
+    if not value.isascii() and any("\ud800" <= letter <= "\udfff" for letter in value):
         raise ValueError(f"wanted letters, found {shown(value)}")
     return value
 

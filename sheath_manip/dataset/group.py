@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.attributes import GROUP_FILE, to_attributes
-from sheath_manip.dataset.digests import ArrayDigest, sealed
+from sheath_manip.dataset.digests import ArrayDigest, ChecksumDigest, Seals, sealed
 from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.layout import ArraySpec, layout
 from sheath_manip.dataset.recorded import Recorded
@@ -41,21 +41,26 @@ def episode_files(recorded: Recorded) -> Iterator[File]:
     Rows are asked for in the order of `layout` and of time, a block at a time: what is yielded and
     forgotten takes no memory.
     """
-    digests, groups = dict[str, str](), set[PurePosixPath]()
+    digests, checksums = dict[str, str](), dict[str, str]()
+    groups = set[PurePosixPath]()
     for spec in layout(recorded.header):
         for group in reversed(PurePosixPath(spec.path).parents[:-1]):
             if group not in groups:
                 groups.add(group)
                 yield f"{group}/{METADATA}", group_file({})
         digest, rows = ArrayDigest(spec), recorded.arrays[spec.path]
+        checksum = ChecksumDigest(spec)
         yield f"{spec.path}/{METADATA}", metadata_file(spec.shape, spec.dtype, spec.chunks)
         for place in places(spec.shape, spec.chunks):
             # Only the first axis is ever split.
             part = np.asarray(rows[box(place, spec.chunks)[:1]], order="C")
             digest.update(part)
-            yield f"{spec.path}/{chunk_key(place)}", encoded(part, spec.chunks)
-        digests[spec.path] = digest.hexdigest()
-    yield GROUP_FILE, group_file(sealed(to_attributes(recorded.header), digests))
+            chunk = encoded(part, spec.chunks)
+            checksum.update(chunk)
+            yield f"{spec.path}/{chunk_key(place)}", chunk
+        digests[spec.path], checksums[spec.path] = digest.hexdigest(), checksum.hexdigest()
+    seals = Seals(digests, checksums)
+    yield GROUP_FILE, group_file(sealed(to_attributes(recorded.header), seals))
 
 
 def array_paths(spec: ArraySpec) -> set[str]:
@@ -64,42 +69,58 @@ def array_paths(spec: ArraySpec) -> set[str]:
     return {f"{spec.path}/{file}" for file in (METADATA, *keys)}
 
 
-def read_array(name: str, spec: ArraySpec, content: Content) -> NDArray:
+def read_array(name: str, spec: ArraySpec, content: Content, thorough: bool = False) -> NDArray:
     """The array `spec` of the episode `name`; raises StoreError, and FaultError for damage."""
     require_memory(name, spec.path, spec.bytes)
     whole = np.empty(spec.shape, spec.dtype)
-    for part, block in blocks(name, spec, content):
-        whole[part] = block
+    for part, block in blocks(name, spec, content, thorough, whole):
+        if not np.may_share_memory(block, whole):
+            whole[part] = block
     return whole
 
 
 def blocks(
-    name: str, spec: ArraySpec, content: Content
+    name: str,
+    spec: ArraySpec,
+    content: Content,
+    thorough: bool = True,
+    into: NDArray | None = None,
 ) -> Iterator[tuple[tuple[slice, ...], NDArray]]:
     """Yield the parts of an array of the episode `name`, one at a time, and where each belongs.
 
     Raises StoreError, and FaultError for damage: at the end also where what came is not what was
-    recorded.
+    recorded. That is told by the blocks' checksums, against which each is held as it is decoded;
+    if `thorough`, or where the recording tells no checksums, by a digest of all values, too. Blocks
+    are decoded into the array `into`, where they are whole.
     """
     _require_metadata(name, spec, content)
-    digest = ArrayDigest(spec)
+    checksum = ChecksumDigest(spec) if spec.checksum else None
+    digest = ArrayDigest(spec) if spec.digest and (thorough or checksum is None) else None
     chunk = ArraySpec(spec.path, spec.chunks, spec.dtype)
     # What cannot be compressed grows by less than that.
     most_bytes = chunk.bytes + chunk.bytes // 64 + 1024
     for place in places(spec.shape, spec.chunks):
-        key = f"{spec.path}/{chunk_key(place)}"
+        key, inside = f"{spec.path}/{chunk_key(place)}", box(place, spec.chunks)
+        target = None if into is None else into[inside]
+        if target is not None and target.shape != spec.chunks:
+            target = None
+        encoded_block = content(key, most_bytes)
         try:
-            block = decoded(content(key, most_bytes), spec.dtype, spec.chunks)
+            block = decoded(encoded_block, spec.dtype, spec.chunks, target)
+            if checksum is not None:
+                checksum.update(encoded_block)
         except ValueError as error:
             raise FaultError(
                 name, FaultKind.UNREADABLE, f"{spec.path} does not decode ({error}); {REMEDY}"
             ) from error
-        inside = box(place, spec.chunks)
         rest = tuple(size - part.start for size, part in zip(spec.shape, inside, strict=True))
         block = np.asarray(block[tuple(map(slice, rest))], order="C")
-        digest.update(block)
+        if digest is not None:
+            digest.update(block)
         yield inside, block
-    if spec.digest and digest.hexdigest() != spec.digest:
+    if (checksum is not None and checksum.hexdigest() != spec.checksum) or (
+        digest is not None and digest.hexdigest() != spec.digest
+    ):
         raise FaultError(
             name,
             FaultKind.MISMATCH,
@@ -119,7 +140,11 @@ def require_memory(name: str, what: str, bytes: int) -> None:
 
 def _require_metadata(name: str, spec: ArraySpec, content: Content) -> None:
     try:
-        metadata = parse_json(content(f"{spec.path}/{METADATA}", MOST_METADATA_BYTES))
+        told = content(f"{spec.path}/{METADATA}", MOST_METADATA_BYTES)
+        # To the byte as it is written here: nothing has to be parsed.
+        if told == metadata_file(spec.shape, spec.dtype, spec.chunks):
+            return
+        metadata = parse_json(told)
     except FaultError as error:
         if error.fault.kind is not FaultKind.MISSING:
             raise

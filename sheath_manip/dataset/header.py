@@ -74,6 +74,8 @@ class Header:
     episodes without such a gate, and of before this was recorded"""
     digests: Mapping[str, str] | None = field(default=None, compare=False)
     """of each array, by its path, as they were written; None where the recording does not say"""
+    checksums: Mapping[str, str] | None = field(default=None, compare=False)
+    """of the checksums of its blocks, by its path; None where the recording does not say"""
 
 
 def header_of(episode: Episode, space: Space | None = None) -> Header:

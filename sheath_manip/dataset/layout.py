@@ -32,6 +32,7 @@ checkpoint that drove it; a plain demonstration therefore has no intervention.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,13 +60,15 @@ class ArraySpec:
     dtype: str
     digest: str = field(default="", compare=False)
     """of its content, see `digests`; empty where the recording does not say"""
+    checksum: str = field(default="", compare=False)
+    """of the checksums of its blocks; empty where the recording does not say"""
 
-    @property
+    @cached_property
     def bytes(self) -> int:
         """The size in memory."""
         return math.prod(self.shape) * np.dtype(self.dtype).itemsize
 
-    @property
+    @cached_property
     def chunks(self) -> tuple[int, ...]:
         """Images lie in blocks of frames; every other array is small and one chunk."""
         # zarr refuses a chunk of length 0, which an array without features would ask for.
@@ -114,8 +117,11 @@ def layout(header: Header) -> list[ArraySpec]:
         *((name, (header.length, *shape), dtype) for name, shape, dtype in step),
         *((f"final/{name}", shape, dtype) for name, shape, dtype in observation),
     ]
-    digests = header.digests or {}
-    return [ArraySpec(*array, digests.get(array[0], "")) for array in arrays]
+    digests, checksums = header.digests or {}, header.checksums or {}
+    return [
+        ArraySpec(*array, digests.get(array[0], ""), checksums.get(array[0], ""))
+        for array in arrays
+    ]
 
 
 def require_bounds(header: Header) -> None:

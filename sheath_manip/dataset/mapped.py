@@ -9,6 +9,7 @@ import shutil
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.lib.format import open_memmap
@@ -64,6 +65,20 @@ def mapped_samples(reader: EpisodeReader, names: Sequence[str], folder: Path) ->
         raise StoreError(
             f"{directory} does not decode ({error}); delete it, it is made anew"
         ) from error
+
+
+def mapped_once(reader: EpisodeReader, names: Sequence[str], beside: Path) -> Samples:
+    """Return `mapped_samples` whose files lie beside the path `beside`, and go with the process.
+
+    Raises as that.
+    """
+    try:
+        beside.parent.mkdir(parents=True, exist_ok=True)
+        # A mapped file stays where it is until nothing refers to it, also without its name.
+        with TemporaryDirectory(prefix=LEFTOVER_PREFIX, dir=beside.parent) as folder:
+            return mapped_samples(reader, names, Path(folder))
+    except OSError as error:
+        raise StoreError(f"cannot keep the training states in {beside.parent} ({error})") from error
 
 
 def _build(reader: EpisodeReader, names: Sequence[str], directory: Path) -> None:

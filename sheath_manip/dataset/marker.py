@@ -15,8 +15,10 @@ from sheath_manip.files.outputs import sync, written_aside
 
 MARKER = "sheath-store.json"
 FORMAT = "sheath-store"
-SCHEMA = 1
+SCHEMA = 2
 """of the directory; each episode has its own, see `attributes.SCHEMA`"""
+READABLE = (1, SCHEMA)
+"""In one of schema 1 every episode is a folder; whoever wrote that sees no archive."""
 MOST_MARKER_BYTES = 64 << 10
 OR_A_NEW_ONE = ", or a new one to record into"
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")
@@ -45,10 +47,12 @@ def parse_marker(where: Path | str, content: bytes) -> None:
         raise _no_store(where, f"a {MARKER} that does not decode ({error})") from error
     if not isinstance(marker, dict) or marker.get("format") != FORMAT:
         raise _no_store(where, f"a {MARKER} of another format")
-    if marker.get("schema") != SCHEMA:
+    schema = marker.get("schema")
+    if type(schema) is not int or schema not in READABLE:
         raise StoreError(
-            f"{where} is an episode store of schema {shown(marker.get('schema'))}, wanted "
-            f"{SCHEMA}; read it with the version of sheath-manip that made it"
+            f"{where} is an episode store of schema {shown(schema)}, wanted "
+            f"{' or '.join(map(str, READABLE))}; read it with the version of sheath-manip that "
+            "made it"
         )
 
 
@@ -75,6 +79,14 @@ def write_marker(path: Path) -> None:
     with written_aside(path / MARKER) as aside:
         aside.write_text(marker_text())
     sync(path.parent)
+
+
+def bring_up_marker(path: Path) -> None:
+    """Say that a store holds archives, before the first one is there; raises OSError."""
+    marker = parse_json(read_inside(path, MARKER, MOST_MARKER_BYTES))
+    if marker["schema"] != SCHEMA:
+        with written_aside(path / MARKER) as aside:
+            aside.write_text(json.dumps({**marker, "schema": SCHEMA}))
 
 
 def _require_directory(path: Path) -> None:

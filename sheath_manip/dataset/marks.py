@@ -113,6 +113,11 @@ def is_marks_name(entry: str) -> bool:
     return entry.endswith(SUFFIX) and is_episode_name(entry.removesuffix(SUFFIX))
 
 
+def marked_name(entry: str) -> str:
+    """Return the name of the episode that a file of marks is of."""
+    return entry.removesuffix(SUFFIX)
+
+
 def read_marks(store: Path, name: str) -> Marks:
     """The marks of an episode, empty where there are none; raises StoreError where broken."""
     path = marks_path(store, name)

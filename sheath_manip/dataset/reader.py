@@ -2,49 +2,25 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
 
 from numpy.typing import NDArray
 
 from sheath_manip.dataset.compatibility import RecordedSpec, require_compatible
 from sheath_manip.dataset.faults import Fault, FaultError
-from sheath_manip.dataset.group import blocks, read_array, require_memory
+from sheath_manip.dataset.glance import EpisodeSummary
+from sheath_manip.dataset.group import Content, blocks, read_array, require_memory
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import MOST_CHUNK_BYTES, ArraySpec, layout
 from sheath_manip.dataset.marks import Marks, learnable
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import episode_from, require_sound
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Episode, EpisodeInfo, Outcome, Purpose
+from sheath_manip.types import Episode, Outcome, Purpose
 
 LARGEST_FILE_BYTES = 2 * MOST_CHUNK_BYTES
 """No file of an episode is that large."""
-
-
-@dataclass(frozen=True)
-class EpisodeSummary:
-    """A stored episode at a glance, without its arrays."""
-
-    name: str
-    info: EpisodeInfo
-    length: int
-    """T, in control steps"""
-    outcome: Outcome
-    """what a person marked it as, else as recorded"""
-    recorded_outcome: Outcome
-    bad_steps: int
-    """marked as not to be learned from"""
-    expert_share: float
-    """0..1 of the steps in which the expert acted"""
-    queries: int
-    """steps in which the gate asked for a label"""
-    metrics: Mapping[str, float]
-    bytes: int
-    """on the disk"""
-    spec: RecordedSpec
-    """what another must have in common with it to be mixed with it"""
 
 
 class EpisodeReader(ABC):
@@ -66,14 +42,19 @@ class EpisodeReader(ABC):
         Raises StoreError where it is damaged.
         """
 
-    def array(self, name: str, spec: ArraySpec) -> NDArray:
-        """The array `spec` of the episode `name`; raises StoreError where it is damaged."""
-        return read_array(name, spec, partial(self.content, name))
+    def array(self, name: str, spec: ArraySpec, thorough: bool = False) -> NDArray:
+        """The array `spec` of the episode `name`; raises StoreError where it is damaged.
+
+        If `thorough`, it is also held against the digest of all its values.
+        """
+        with self.opened(name) as content:
+            return read_array(name, spec, content, thorough)
 
     def require_whole(self, name: str, spec: ArraySpec) -> None:
         """Raise StoreError where an array is damaged; holds one block of it at a time."""
-        for _ in blocks(name, spec, partial(self.content, name)):
-            pass
+        with self.opened(name) as content:
+            for _ in blocks(name, spec, content):
+                pass
 
     @abstractmethod
     def files(self, name: str) -> Mapping[str, int]:
@@ -86,12 +67,22 @@ class EpisodeReader(ABC):
         Raises StoreError, and FaultError where it is damaged, missing or of more bytes.
         """
 
+    def opened(self, name: str) -> AbstractContextManager[Content]:
+        """Give what returns `content` of the episode's files, where many of them are read."""
+        return nullcontext(partial(self.content, name))
+
     def odd_files(self, name: str) -> Mapping[str, str]:  # noqa: ARG002
         """What is neither file nor folder in an episode's folder, by its path: such as `a link`.
 
         Places that are no directory have nothing of the kind.
         """
         return {}
+
+    def require_intact(self, name: str) -> None:  # noqa: B027
+        """Raise FaultError where other programs could not open what holds the episode's files.
+
+        Places where each file lies by itself have nothing of the kind.
+        """
 
     @abstractmethod
     def entry_faults(self) -> list[Fault]:
@@ -132,24 +123,28 @@ class EpisodeReader(ABC):
 
     def summary(self, name: str) -> EpisodeSummary:
         """Return one episode at a glance; raises StoreError where its header cannot be read."""
-        header, marks = self.header(name), self.marks(name)
-        return EpisodeSummary(
-            name=name,
-            info=header.info,
-            length=header.length,
-            outcome=marks.outcome or header.outcome,
-            recorded_outcome=header.outcome,
-            bad_steps=marks.bad_steps(header.length),
-            expert_share=header.expert_steps / header.length,
-            queries=header.queries,
-            metrics=header.metrics,
-            bytes=sum(self.files(name).values()),
-            spec=RecordedSpec.of(header),
-        )
+        return self.unmarked_summary(name).marked(self.marks(name))
+
+    def unmarked_summary(self, name: str) -> EpisodeSummary:
+        """Return the same but for what a person said of it afterwards."""
+        return EpisodeSummary.of(name, self.header(name), sum(self.files(name).values()))
+
+    def summaries(self) -> Iterator[EpisodeSummary | StoreError]:
+        """Yield each episode at a glance, sorted by name, or what is wrong with its header."""
+        for name in self.names():
+            try:
+                yield self.summary(name)
+            except StoreError as error:
+                yield error
 
     def infos(self) -> list[EpisodeSummary]:
         """Return all episodes at a glance, sorted by name; raises StoreError as `summary` does."""
-        return [self.summary(name) for name in self.names()]
+        found = []
+        for summary in self.summaries():
+            if isinstance(summary, StoreError):
+                raise summary
+            found.append(summary)
+        return found
 
     def recorded(self, name: str, need_images: bool = True) -> Recorded:
         """The episode by column; raises StoreError where it is damaged.
@@ -159,7 +154,8 @@ class EpisodeReader(ABC):
         header = self.header(name)
         wanted = [spec for spec in layout(header) if need_images or not spec.is_image]
         require_memory(name, "the episode", sum(spec.bytes for spec in wanted))
-        arrays = {spec.path: self.array(name, spec) for spec in wanted}
+        with self.opened(name) as content:
+            arrays = {spec.path: read_array(name, spec, content) for spec in wanted}
         require_sound(header, arrays)
         return Recorded(header, arrays)
 
@@ -192,12 +188,11 @@ class EpisodeReader(ABC):
         Those that were cut short are no results, and left out.
         """
         wanted = {"purpose": purpose, "method": method, "round": round, "run_seed": run_seed}
-        headers = ((self.header(name), name) for name in self.names())
-        infos = ((each.info, name) for each, name in headers if each.outcome is not Outcome.ERROR)
+        found = [each for each in self.infos() if each.recorded_outcome is not Outcome.ERROR]
         matching = [
-            (info.round, info.index, name)
-            for info, name in infos
-            if all(value is None or getattr(info, key) == value for key, value in wanted.items())
+            (each.info.round, each.info.index, each.name)
+            for each in found
+            if all(value in (None, getattr(each.info, key)) for key, value in wanted.items())
         ]
         return self.read_many((name for *_, name in sorted(matching)), need_images)
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from sheath_manip.dataset.attributes import GROUP_FILE, to_attributes
-from sheath_manip.dataset.digests import sealed
+from sheath_manip.dataset.digests import Seals, sealed
 from sheath_manip.dataset.faults import Fault
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.marks import Marks
@@ -27,7 +27,7 @@ class OfSession(EpisodeReader):
         self._header = replace(header, info=replace(header.info, session=session))
         attributes = to_attributes(self._header)
         if self._header.digests is not None:
-            attributes = sealed(attributes, self._header.digests)
+            attributes = sealed(attributes, Seals(self._header.digests, self._header.checksums))
         self._content = group_file(attributes)
 
     @property

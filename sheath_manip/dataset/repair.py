@@ -1,6 +1,5 @@
 """Mending what can be mended in a store without losing an episode."""
 
-import os
 import shutil
 import time
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, header_in
 from sheath_manip.dataset.durable import sync
 from sheath_manip.dataset.faults import FaultError
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
+from sheath_manip.dataset.places import is_there, place_of
 from sheath_manip.dataset.rooted_files import entries, is_folder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
@@ -48,8 +48,9 @@ def repair(store: EpisodeStore, idle_s: float) -> Repaired:
             swept.append(entry.name)
         for name in store.names():
             own = _own_name(store, name)
-            if own is not None and not os.path.lexists(store.path / own):
-                (store.path / name).rename(store.path / own)
+            place = place_of(store.path, name)
+            if own is not None and place is not None and not is_there(store.path, own):
+                place.path.rename(place.path.with_name(place.path.name.replace(name, own, 1)))
                 renamed.append(own)
         sync(store.path)
     except OSError as error:

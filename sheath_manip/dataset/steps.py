@@ -42,6 +42,18 @@ COLUMNS = (
     "reward",
 )
 """of `Episode.columns`, as they are stored"""
+_NUMBERS = (
+    "actor",
+    "reason",
+    "score",
+    "threshold",
+    "query",
+    "reward",
+    "time_s",
+    "has_proposed",
+    "has_labelled",
+)
+_ROWS = ("features", "state", "proposed", "labelled", "executed")
 
 
 def recorded_of(episode: Episode, space: Space | None = None) -> Recorded:
@@ -109,25 +121,27 @@ def require_layout(header: Header, arrays: Mapping[str, Any]) -> None:
 def episode_from(header: Header, arrays: Arrays) -> Episode:
     """The episode of `header`; where `arrays` lacks images, its observations have none."""
     cameras = [camera for camera in header.cameras if f"images/{camera}" in arrays]
-    actors, reasons = arrays["actor"].tolist(), arrays["reason"].tolist()
-    scores, thresholds = arrays["score"].tolist(), arrays["threshold"].tolist()
-    queries, rewards = arrays["query"].tolist(), arrays["reward"].tolist()
-    times_s = arrays["time_s"].tolist()
+    # As lists of rows and of plain numbers: one at a time, numpy takes twice as long.
+    actors, reasons, scores, thresholds, queries, rewards, times_s, has_proposed, has_labelled = (
+        arrays[name].tolist() for name in _NUMBERS
+    )
+    features, states, proposed, labelled, executed = (list(arrays[name]) for name in _ROWS)
+    images = {camera: list(arrays[f"images/{camera}"]) for camera in cameras}
     broken = broken_by_step(header.broken, header.length)
     waited_s = {wait.step: wait.waited_s for wait in header.waits}
-    limited = arrays[LIMITED].tolist() if header.limits else [[]] * header.length
+    limited = arrays[LIMITED].tolist() if header.limits else None
     signals = arrays[SIGNALS].tolist() if header.signals else [[]] * header.length
     steps = tuple(
         Step(
             observation=Observation(
-                {camera: arrays[f"images/{camera}"][t] for camera in cameras},
-                arrays["features"][t],
+                {camera: frames[t] for camera, frames in images.items()},
+                features[t],
                 times_s[t],
                 header.instruction,
             ),
-            state=arrays["state"][t],
-            proposed=arrays["proposed"][t] if arrays["has_proposed"][t] else None,
-            labelled=arrays["labelled"][t] if arrays["has_labelled"][t] else None,
+            state=states[t],
+            proposed=proposed[t] if has_proposed[t] else None,
+            labelled=labelled[t] if has_labelled[t] else None,
             decision=GateDecision(
                 header.actors[actors[t]],
                 queries[t],
@@ -142,13 +156,9 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
                     if not math.isnan(score)
                 ),
             ),
-            executed=arrays["executed"][t],
+            executed=executed[t],
             reward=rewards[t],
-            limited=tuple(
-                Limited(limit, by)
-                for limit, by in zip(header.limits, limited[t], strict=True)
-                if not math.isnan(by)
-            ),
+            limited=() if limited is None else _limits(header, limited[t]),
         )
         for t in range(header.length)
     )
@@ -168,6 +178,12 @@ def episode_from(header: Header, arrays: Arrays) -> Episode:
         metrics=header.metrics,
         cut_short_by=next(iter(broken.get(header.length, ())), None),
     )
+
+
+def _limits(header: Header, shares: list[float]) -> tuple[Limited, ...]:
+    """Those that changed a command."""
+    limits = zip(header.limits, shares, strict=True)
+    return tuple(Limited(limit, by) for limit, by in limits if not math.isnan(by))
 
 
 def require_sound(header: Header, arrays: Arrays) -> None:

@@ -1,4 +1,4 @@
-"""The episode store: a directory with one immutable zarr group an episode.
+"""The episode store: a directory with one immutable zarr group an episode, each in one file.
 
 An episode is written aside, synced, and renamed to its name: any number of processes may append and
 read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no reader looks at.
@@ -6,21 +6,31 @@ read at once without a lock, and a crash leaves nothing but a `.tmp-*` that no r
 
 import os
 import shutil
-import stat
 import uuid
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 
-from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, parse_header, require_storable
+from sheath_manip.dataset.archive import (
+    Archive,
+    Signature,
+    give_name,
+    write_archive,
+)
+from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, parse_header
 from sheath_manip.dataset.beside import faults_beside_episodes
 from sheath_manip.dataset.content import is_same
 from sheath_manip.dataset.disk import require_room, with_room
-from sheath_manip.dataset.durable import publish_files, sync
-from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
-from sheath_manip.dataset.group import episode_files
+from sheath_manip.dataset.durable import sync
+from sheath_manip.dataset.faults import Fault, FaultError, FaultKind
+from sheath_manip.dataset.glance import EpisodeSummary
+from sheath_manip.dataset.group import Content
 from sheath_manip.dataset.header import Header
-from sheath_manip.dataset.marker import require_marker, write_marker
+from sheath_manip.dataset.index import EpisodeIndex
+from sheath_manip.dataset.listing import indexed_summaries
+from sheath_manip.dataset.marker import bring_up_marker, require_marker, write_marker
 from sheath_manip.dataset.marks import (
     Marks,
     marks_faults,
@@ -28,24 +38,25 @@ from sheath_manip.dataset.marks import (
     read_marks,
     write_marks,
 )
-from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name, is_episode_name
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX
+from sheath_manip.dataset.places import (
+    Listed,
+    Place,
+    archive_path,
+    faults_told,
+    is_there,
+    place_of,
+    storable_name,
+)
 from sheath_manip.dataset.reader import LARGEST_FILE_BYTES, EpisodeReader, no_such_episode
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.dataset.rooted_files import (
-    OddFileError,
-    entries,
-    is_folder,
-    kind_of,
-    read_inside,
-)
+from sheath_manip.dataset.rooted_files import is_folder
 from sheath_manip.dataset.space import Space
-from sheath_manip.dataset.steps import not_finite, recorded_of, require_layout, require_sound
+from sheath_manip.dataset.steps import recorded_of
+from sheath_manip.dataset.storable import storable_files
 from sheath_manip.dataset.zarr_files import File
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, EpisodeInfo
-
-LONGEST_NAME = 255
-"""characters in the name of a directory, on the usual file systems"""
 
 
 class EpisodeStore(EpisodeReader):
@@ -57,6 +68,9 @@ class EpisodeStore(EpisodeReader):
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         require_marker(self.path)
+        self._index = EpisodeIndex(self.path)
+        self._last: tuple[str, Place] | None = None
+        """what was looked for last: an episode is read a file at a time"""
 
     @property
     def address(self) -> str:
@@ -93,10 +107,10 @@ class EpisodeStore(EpisodeReader):
 
         Raises StoreError as `append` does.
         """
-        name = self._directory(recorded.header.info).name
-        if os.path.lexists(self.path / name):
+        name = storable_name(recorded.header.info)
+        if is_there(self.path, name):
             raise _taken(self.path, name)
-        self._publish(name, self._files(recorded))
+        self._publish(name, storable_files(recorded))
         return name
 
     def keep(self, recorded: Recorded) -> str:
@@ -104,25 +118,12 @@ class EpisodeStore(EpisodeReader):
 
         So two processes may record the same run into one store: whichever is first stores it.
         """
-        name = self._directory(recorded.header.info).name
-        self._publish(name, self._files(recorded), may_be_there=True)
+        name = storable_name(recorded.header.info)
+        self._publish(name, storable_files(recorded), may_be_there=True)
         return name
 
-    def _files(self, recorded: Recorded) -> Iterable[File]:
-        """The files of an episode, made as they are asked for; StoreError where it is none."""
-        header, arrays = recorded.header, recorded.arrays
-        require_storable(header)
-        require_layout(header, arrays)
-        for array in not_finite(arrays):
-            raise StoreError(
-                f"{episode_name(header.info)}: an action in {array!r} is not finite; "
-                "check actions with ActionSpec.validated"
-            )
-        require_sound(header, arrays)
-        return episode_files(recorded)
-
     def copy_from(self, source: EpisodeReader, name: str) -> None:
-        """Write the episode `name` of `source` here, byte for byte.
+        """Write the episode `name` of `source` here, each file of its group byte for byte.
 
         Raises StoreError as `append` does, and where `source` cannot give it.
         """
@@ -153,35 +154,40 @@ class EpisodeStore(EpisodeReader):
 
     def drop(self, name: str) -> None:
         """Delete the episode for good, damaged or not; raises StoreError where there is none."""
-        if not is_episode_name(name) or not is_folder(self.path / name):
+        if name not in self.names():
             raise no_such_episode(self.address, name)
-        aside = self._aside()
+        aside, path = self._aside(), self._place(name).path
         try:
             # At once out of every reader's sight; a crash leaves it to `sheath data repair`.
-            (self.path / name).rename(aside)
+            path.rename(aside)
             marks_path(self.path, name).unlink(missing_ok=True)
             sync(self.path)
-            shutil.rmtree(aside)
+            shutil.rmtree(aside) if is_folder(aside) else aside.unlink()
         except OSError as error:
             raise StoreError(f"cannot drop {name} of {self.path} ({error})") from error
 
     def _publish(self, name: str, files: Iterable[File], may_be_there: bool = False) -> None:
-        """Write `files` into a directory aside, then give it its name.
+        """Write `files` into an archive aside, then give it its name.
 
         Where the very same `may_be_there` under that name and is, all is well.
         """
         aside = self._aside()
         try:
-            publish_files(with_room(self.path, files), aside, self.path / name)
+            bring_up_marker(self.path)
+            write_archive(with_room(self.path, files), aside)
+            if os.path.lexists(self.path / name):
+                raise FileExistsError(f"{name} is there as a folder")
+            give_name(aside, archive_path(self.path, name))
+            self._noted(name)
         except FileExistsError as error:
-            written = read_inside(aside, GROUP_FILE, MOST_BYTES)
+            written = Archive(aside).content(GROUP_FILE, MOST_BYTES)
             if not may_be_there or not is_same(self.header(name), parse_header(name, written)):
                 raise _taken(self.path, name) from error
         except OSError as error:
             raise StoreError(f"cannot write {name} into {self.path} ({error})") from error
         finally:
             # After a success there is nothing left of that name.
-            shutil.rmtree(aside, ignore_errors=True)
+            aside.unlink(missing_ok=True)
 
     def _aside(self) -> Path:
         return self.path / f"{LEFTOVER_PREFIX}{uuid.uuid4().hex}"
@@ -192,8 +198,8 @@ class EpisodeStore(EpisodeReader):
         Raises StoreError where its name is taken by an episode of another task, variant, checkpoint
         or control rate: skipping that one would mix two runs.
         """
-        name = self._directory(info).name
-        if not os.path.lexists(self.path / name):
+        name = storable_name(info)
+        if not is_there(self.path, name):
             return False
         held = self.header(name).info
         if not held.variant:
@@ -207,26 +213,34 @@ class EpisodeStore(EpisodeReader):
             )
         return True
 
-    def names(self) -> list[str]:
-        """The names of all episodes, sorted; entries that are no episode are left out."""
+    def summaries(self) -> Iterator[EpisodeSummary | StoreError]:
+        """Yield each episode at a glance, sorted by name, or what is wrong with its header.
+
+        An episode of which the index tells is not opened.
+        """
+        return indexed_summaries(self, self._index, self._listed())
+
+    def _noted(self, name: str) -> None:
+        """Note an episode that was written; whatever is wrong with it is found by its readers."""
+        with suppress(StoreError, OSError):
+            at = Signature.of(archive_path(self.path, name).lstat())
+            self._index.note(at, self.unmarked_summary(name))
+
+    def _listed(self) -> Listed:
         try:
-            with os.scandir(self.path) as entries:
-                found = [
-                    entry.name
-                    for entry in entries
-                    if is_episode_name(entry.name) and entry.is_dir(follow_symlinks=False)
-                ]
+            return Listed.of(self.path)
         except OSError as error:
             raise StoreError(f"cannot list {self.path} ({error})") from error
-        return sorted(found)
+
+    def names(self) -> list[str]:
+        """The names of all episodes, sorted; entries that are no episode are left out."""
+        return sorted(self._listed().episodes)
 
     def header(self, name: str) -> Header:
         """Return all of the episode `name` that is no array.
 
         Raises StoreError where it is damaged.
         """
-        if not is_episode_name(name) or not os.path.lexists(self.path / name):
-            raise no_such_episode(self.address, name)
         try:
             content = self.content(name, GROUP_FILE, MOST_BYTES)
         except FaultError as error:
@@ -241,43 +255,47 @@ class EpisodeStore(EpisodeReader):
 
     def files(self, name: str) -> Mapping[str, int]:
         """The size in bytes of each file of the episode, by its path in the episode's folder."""
-        found = self._entries(name)
-        return {path: at.st_size for path, at in found if stat.S_ISREG(at.st_mode)}
+        return faults_told(name, "", self._place(name).files)
 
     def odd_files(self, name: str) -> Mapping[str, str]:
-        """What is neither file nor folder in an episode's folder, by its path: such as `a link`."""
-        return {path: kind for path, at in self._entries(name) if (kind := kind_of(at))}
+        """What is neither file nor folder in an episode's folder, by its path: such as `a link`.
 
-    def _entries(self, name: str) -> list[tuple[str, os.stat_result]]:
-        try:
-            return sorted(entries(self.path / name))
-        except OSError as error:
-            raise StoreError(f"cannot list {name} in {self.path} ({error})") from error
+        An archive has nothing of the kind.
+        """
+        place = self._place(name)
+        return {} if isinstance(place, Archive) else faults_told(name, "", place.odd_files)
 
     def content(self, name: str, file: str, most_bytes: int = LARGEST_FILE_BYTES) -> bytes:
         """Return what is in one of the `files` of an episode; raises FaultError."""
-        try:
-            return read_inside(self.path, f"{name}/{file}", most_bytes)
-        except FileNotFoundError as error:
-            raise FaultError(name, FaultKind.MISSING, f"{file} is missing; {REMEDY}") from error
-        except OddFileError as error:
-            raise FaultError(name, FaultKind.ODD_FILE, f"{error}; {REMEDY}") from error
-        except OSError as error:
-            reason = f"{file} cannot be read ({error}); {REMEDY}"
-            raise FaultError(name, FaultKind.UNREADABLE, reason) from error
+        return faults_told(name, file, lambda: self._place(name).content(file, most_bytes))
+
+    @contextmanager
+    def opened(self, name: str) -> Iterator[Content]:
+        """Give what returns `content` of the episode's files, where many of them are read."""
+        place = self._place(name)
+        if not isinstance(place, Archive):
+            yield partial(self.content, name)
+            return
+        with ExitStack() as stack:
+            read = faults_told(name, "", lambda: stack.enter_context(place.opened()))
+            yield lambda file, most_bytes: faults_told(name, file, lambda: read(file, most_bytes))
+
+    def require_intact(self, name: str) -> None:
+        """Raise FaultError where other programs could not open the episode's file."""
+        faults_told(name, "", self._place(name).require_intact)
+
+    def _place(self, name: str) -> Place:
+        """Where the episode lies; raises StoreError where there is none."""
+        if self._last is None or self._last[0] != name or not os.path.lexists(self._last[1].path):
+            place = place_of(self.path, name)
+            if place is None:
+                raise no_such_episode(self.address, name)
+            self._last = name, place
+        return self._last[1]
 
     def entry_faults(self) -> list[Fault]:
         """The leftovers, and what does not belong into the directory."""
         return [*faults_beside_episodes(self.path), *marks_faults(self.path, set(self.names()))]
-
-    def _directory(self, info: EpisodeInfo) -> Path:
-        name = episode_name(info)
-        if len(name) > LONGEST_NAME:
-            raise StoreError(
-                f"the method {info.method!r} makes a directory name of {len(name)} characters, "
-                f"wanted at most {LONGEST_NAME}; choose a shorter one in plain letters"
-            )
-        return self.path / name
 
 
 def _taken(path: Path, name: str) -> StoreError:

@@ -1,6 +1,6 @@
 """`sheath data list` and `sheath data check`: a store as a table on the terminal."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from rich.console import Console
@@ -14,6 +14,11 @@ from sheath_manip.dataset.locations import open_store
 from sheath_manip.dataset.reader import EpisodeReader, EpisodeSummary
 from sheath_manip.exceptions import StoreError
 from sheath_manip.metrics import endings_line
+from sheath_manip.printable import printable
+
+HEADINGS = ("episode", "task", "outcome", "steps", "expert", "queries", "MB", "metrics")
+MOST_ROWS = 1000
+"""of a table; more are plain lines"""
 
 
 def print_list(address: str, console: Console) -> int:
@@ -23,31 +28,52 @@ def print_list(address: str, console: Console) -> int:
     """
     reader = open_store(address)
     summaries, broken = readable(reader)
-    table = Table(title=Text(reader.address), title_justify="left")
-    table.add_column("episode", overflow="fold")
-    for heading in ("task", "outcome"):
-        table.add_column(heading)
-    for heading in ("steps", "expert", "queries", "MB"):
-        table.add_column(heading, justify="right")
-    table.add_column("metrics", overflow="fold")
-    for summary in summaries:
-        # As Text, because a task or a method may hold what rich takes for markup.
-        table.add_row(*(Text(cell) for cell in _cells(summary)))
-    console.print(table)
+    rows = map(_cells, summaries)
+    if len(summaries) > MOST_ROWS:
+        _print_plain(reader.address, list(rows), console)
+    else:
+        console.print(_table(reader.address, rows))
     console.print(Text(_totals(summaries)))
     for line in broken:
         console.print(Text(line, style="red"))
     return 1 if broken else 0
 
 
+def _table(address: str, rows: Iterable[tuple[str, ...]]) -> Table:
+    table = Table(title=Text(address), title_justify="left")
+    for heading in HEADINGS:
+        numbers = heading in ("steps", "expert", "queries", "MB")
+        fold = heading in ("episode", "metrics")
+        table.add_column(
+            heading,
+            justify="right" if numbers else "left",
+            overflow="fold" if fold else "ellipsis",
+        )
+    for row in rows:
+        # As Text, because a task or a method may hold what rich takes for markup.
+        table.add_row(*map(Text, row))
+    return table
+
+
+def _print_plain(address: str, rows: Sequence[tuple[str, ...]], console: Console) -> None:
+    """Print a line a row, however long: a table of rich takes a millisecond for each."""
+    rows = [
+        HEADINGS,
+        *(tuple(printable(cell).replace("\n", "\\n") for cell in row) for row in rows),
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    console.file.write("\n".join([printable(address), *lines, ""]))
+
+
 def readable(reader: EpisodeReader) -> tuple[list[EpisodeSummary], list[str]]:
     """The episodes whose header can be read, and a line for each of the others."""
     summaries, broken = [], []
-    for name in reader.names():
-        try:
-            summaries.append(reader.summary(name))
-        except StoreError as error:
-            broken.append(str(error))
+    for summary in reader.summaries():
+        if isinstance(summary, StoreError):
+            broken.append(str(summary))
+        else:
+            summaries.append(summary)
     return summaries, broken
 
 

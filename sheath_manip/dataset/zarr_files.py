@@ -9,6 +9,7 @@ Format: https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -61,6 +62,7 @@ def array_metadata(shape: tuple[int, ...], dtype: str, chunks: tuple[int, ...]) 
     }
 
 
+@lru_cache(maxsize=256)
 def metadata_file(shape: tuple[int, ...], dtype: str, chunks: tuple[int, ...]) -> bytes:
     """The file of `array_metadata`."""
     return _encoded(array_metadata(shape, dtype, chunks))
@@ -102,16 +104,19 @@ def encoded(part: NDArray, chunks: tuple[int, ...]) -> bytes:
     return Zstd(level=_ZSTD_LEVEL, checksum=True).encode(whole)
 
 
-def decoded(content: bytes, dtype: str, chunks: tuple[int, ...]) -> NDArray:
+def decoded(
+    content: bytes, dtype: str, chunks: tuple[int, ...], into: NDArray | None = None
+) -> NDArray:
     """The inverse of `encoded`; raises ValueError for whatever would not give exactly a chunk.
 
-    No memory is taken for content that tells of another size.
+    No memory is taken for content that tells of another size, and none but that of `into` where it
+    is given: an array in C order of that very type and shape.
     """
     kind = np.dtype(dtype).newbyteorder("<")
     size = math.prod(chunks) * kind.itemsize
     if zstd_told_bytes(content) != size:
         raise ValueError(f"wanted a block of {size} bytes, compressed by zstd")
-    whole = np.empty(chunks, kind)
+    whole = np.empty(chunks, kind) if into is None or kind != into.dtype else into
     try:
         Zstd().decode(content, out=whole)
     except RuntimeError as error:

@@ -1,4 +1,4 @@
-"""What a block that zstd compressed tells of itself, before any memory is taken for it."""
+"""What a block that zstd compressed tells of itself, without decompressing it."""
 
 _ZSTD_FRAME = bytes.fromhex("28b52ffd")
 """what each compressed block begins with, RFC 8878, 3.1.1"""
@@ -16,3 +16,14 @@ def zstd_told_bytes(content: bytes) -> int | None:
     told = int.from_bytes(content[start : start + length], "little")
     # A size of two bytes begins to count where that of one ends.
     return told + 256 if flag == 1 else told
+
+
+def zstd_checksum(content: bytes) -> bytes:
+    """Return the checksum that ends a frame, RFC 8878, 3.1.1: the low half of its xxHash64.
+
+    It is of what was compressed, and every decoder holds that against it. Raises ValueError where
+    the frame has none.
+    """
+    if len(content) < 6 or not content[4] >> 2 & 1:
+        raise ValueError("wanted a block with a checksum")
+    return content[-4:]

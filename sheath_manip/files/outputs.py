@@ -41,7 +41,7 @@ def written_aside(final: Path, replacing: bool = True) -> Iterator[Path]:
         if replacing:
             aside.replace(final)
         else:
-            _take_name(aside, final)
+            take_name(aside, final)
         sync(final.parent)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
@@ -56,8 +56,11 @@ def sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def _take_name(aside: Path, final: Path) -> None:
-    """Rename without ever taking the name from another one."""
+def take_name(aside: Path, final: Path) -> None:
+    """Rename without ever taking the name from another one; raises FileExistsError, and OSError.
+
+    A file may keep its old name beside its new one.
+    """
     if aside.is_dir():
         try:
             # A folder never replaces one that has entries, on any system.

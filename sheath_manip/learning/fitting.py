@@ -13,6 +13,7 @@ from sheath_manip.gates.held_out import HeldOut
 from sheath_manip.gates.progress import Progress
 from sheath_manip.policies.looking import look, look_to_fit
 from sheath_manip.protocols import Agreement, HasFloor, PredictingPolicy, Refits, Signal
+from sheath_manip.seeding import generator
 from sheath_manip.signals import make_signal
 from sheath_manip.support.calibration import (
     held_out_threshold,
@@ -23,6 +24,9 @@ from sheath_manip.support.reach import warn_out_of_reach
 from sheath_manip.types.samples import Samples
 from sheath_manip.types.seen import Seen
 
+MOST_STATES = 50_000
+"""that a gate is fitted to: while it is fitted each takes up to 12 kB, and each step of a robot is
+compared with all of them, which takes 1.4 ms for so many"""
 BUDGET = "budget"
 """the threshold rule that asks what the policy met last"""
 
@@ -32,9 +36,9 @@ class Looks:
     """What one policy saw of all that its gate is fitted to and calibrated on."""
 
     labels: NDArray[np.float32]
-    """(n, a) of the training states"""
+    """(n, a) of these training states"""
     states: Seen
-    """the n training states"""
+    """n training states: all, or as many as a gate is fitted to"""
     calibration: Sequence[Seen]
     """expert episodes that no fit has seen"""
     visited: Seen | None = None
@@ -62,14 +66,30 @@ def looks_of(
     calibration: Sequence[Samples],
     visited: Samples | None = None,
 ) -> Looks:
-    """Look at everything once, with all that `signal` reads; it is attached to the policy."""
+    """Look at everything once, with all that `signal` reads; it is attached to the policy.
+
+    Of more than `MOST_STATES` training states only `fitted_rows` are looked at.
+    """
     readers = signal.attach(policy)
+    states = states if len(states) <= MOST_STATES else states.take(fitted_rows(len(states)))
     return Looks(
         np.asarray(states.labels),
         look_to_fit(policy, states, signal),
         [look(policy, episode, readers) for episode in calibration],
         None if visited is None else look(policy, visited, readers),
     )
+
+
+def fitted_rows(count: int) -> NDArray[np.int64]:
+    """Return which of `count` training states a gate is fitted to, in their order.
+
+    All of them, or `MOST_STATES` drawn evenly, the same ones whenever there are so many: so that a
+    refit costs the same however much has been aggregated.
+    """
+    if count <= MOST_STATES:
+        return np.arange(count)
+    rng = generator("fitted states", count)
+    return np.sort(rng.choice(count, MOST_STATES, replace=False))
 
 
 def fit_gate(
@@ -102,10 +122,15 @@ def fit_gate(
     signal = make_signal(planned_signal(config))
     asked = visited if config.threshold.rule == BUDGET else None
     looks = looks_of(policy, signal, states, calibration, asked)
+    asking = None if agreement is None else _of_rows(agreement, fitted_rows(len(states)))
     fitted = fit_to_looks(
-        policy, signal, looks, config, sources=sources, agreement=agreement, previous=previous
+        policy, signal, looks, config, sources=sources, agreement=asking, previous=previous
     )
     return Fit(fitted, looks)
+
+
+def _of_rows(agreement: Agreement, rows: NDArray[np.int64]) -> Agreement:
+    return lambda: agreement()[rows]
 
 
 def fit_to_looks(

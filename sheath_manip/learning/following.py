@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.places import is_there
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.learning.asking import RunEpisodes
@@ -63,6 +64,6 @@ class GivenBurdens:
         count = self._episodes.schedule.episodes
         infos = self._episodes.infos(Purpose.LEARNING, method, number, count)
         names = [episode_name(info) for info in infos]
-        if not self._awaits or not all((self._store.path / name).exists() for name in names):
+        if not self._awaits or not all(is_there(self._store.path, name) for name in names):
             return None
         return tuple(record_of(self._store.read(name, need_images=False)) for name in names)

@@ -10,6 +10,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from sheath_manip.counting import announced
+from sheath_manip.dataset.aggregated import AggregatedSamples
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.asking import Beside, RunEpisodes
@@ -38,7 +39,7 @@ from sheath_manip.rollout.audience import Audience
 from sheath_manip.rollout.executor import Executor, unheard
 from sheath_manip.task import Task
 from sheath_manip.types import Episode, Outcome, Purpose, TaskSpec
-from sheath_manip.types.samples import Samples, joined, samples_from, visited_from
+from sheath_manip.types.samples import Samples, samples_from, visited_from
 
 
 class LearningRun:
@@ -113,7 +114,7 @@ class LearningRun:
             [episode_name(episode.info) for episode in held_out],
             [samples_from([episode]) for episode in held_out],
         )
-        states = samples_from(demonstrations)
+        states = AggregatedSamples(self.directory).add(samples_from(demonstrations)).samples()
         names = [episode_name(episode.info) for episode in demonstrations]
         with self._working("fitting the first policy"):
             first = checkpoints.first(states, names)
@@ -137,7 +138,8 @@ class LearningRun:
             return done
         start = self.start()
         judged, results = self._first_judged(start), list[RoundResult]()
-        labelled, names = [start.demonstrations], list(start.names)
+        labelled = AggregatedSamples(self.directory).add(start.demonstrations)
+        names = list(start.names)
         checkpoint = start.checkpoints.begun(
             method, start.checkpoint, start.demonstrations, start.names, self._given.of(method, 1)
         )
@@ -149,9 +151,9 @@ class LearningRun:
             episodes = list(ahead or self._learning_episodes(start, method, number, checkpoint))
             visited = visited_from(episodes)
             if visited.is_labelled.any():
-                labelled.append(visited.labelled())
+                labelled.add(visited.labelled())
                 names += [episode_name(each.info) for each in episodes if _is_labelled(each)]
-            aggregated = joined(labelled)
+            aggregated = labelled.samples()
             with self._working(f"fitting round {number}"):
                 refitted = start.checkpoints.refitted(
                     method,

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import zarr
 
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.store import EpisodeStore
 from tests.cli.conftest import run
+from tests.dataset.folders import unpacked
 from tools.identical import identical
 
 
@@ -84,8 +86,9 @@ class TestLook:
             0,
             "3 episodes, 0 faults, 0 harmless leftovers\n",
         )
-        (store / names(store)[1] / "executed" / "c.0.0").write_bytes(b"x")
-        shutil.rmtree(store / names(store)[1] / "score")
+        inside = unpacked(EpisodeStore(store), names(store)[1])
+        (inside / "executed" / "c.0.0").write_bytes(b"x")
+        shutil.rmtree(inside / "score")
         (store / ".tmp-1").mkdir()
         code, out, err = sheath("data", "check", store)
         assert (code, err) == (1, "")
@@ -237,13 +240,13 @@ class TestKeep:
         assert "written to within 600 s, so left: .tmp-1" in out
         assert "0 faults, 1 harmless leftovers" in out
         first = names(store)[0]
-        (store / first).rename(store / first.replace("i000", "i009"))
+        archive_path(store, first).rename(archive_path(store, first.replace("i000", "i009")))
         code, out, _ = sheath("data", "repair", store, "--idle-s", 0)
         assert code == 0
         assert "swept away .tmp-1" in out
         assert f"has its name again: {first}" in out
         assert "3 episodes, 0 faults, 0 harmless leftovers" in out
-        (store / first / "zarr.json").unlink()
+        archive_path(store, first).write_bytes(b"")
         assert sheath("data", "repair", store)[0] == 1
         assert len(names(store)) == 3
         assert "wanted 0 or more" in complaint("data", "repair", store, "--idle-s", "nan")

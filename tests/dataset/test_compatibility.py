@@ -20,6 +20,7 @@ from sheath_manip.dataset.space import Space
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import ActionSpec, EpisodeInfo, Purpose, TaskSpec
+from tests.dataset.folders import unpacked
 from tests.dataset.seals import unseal
 from tests.episodes import INFO, episode_of
 from tests.toy import Corridor
@@ -126,7 +127,7 @@ def aged(store: EpisodeStore, name: str) -> None:
             del attributes[key]
         attributes["schema"] = 1
 
-    unseal(store.path / name, change)
+    unseal(unpacked(store, name), change)
 
 
 class TestOldStores:

@@ -28,6 +28,7 @@ from sheath_manip.seeding import generator
 from sheath_manip.types import Limited
 from sheath_manip.types.samples import samples_from
 from tests.dataset.damages import DAMAGES, LENGTH
+from tests.dataset.folders import repacked, unpacked
 from tools.identical import identical
 from tools.synthetic import synthetic_episode, synthetic_info
 
@@ -61,7 +62,14 @@ class Damaged:
 def damaged(sound: EpisodeStore, tmp_path: Path, number: int) -> Damaged:
     store = EpisodeStore(shutil.copytree(sound.path, tmp_path / "store"))
     damage, kinds = list(DAMAGES.values())[number % len(DAMAGES)]
-    damage(store.path / sound.names()[0], np.random.default_rng(number))
+    rng, name = np.random.default_rng(number), sound.names()[0]
+    inside = unpacked(store, name)
+    damage(inside, rng)
+    # What was recorded before lies in folders, where anything may be; an archive has plain files.
+    folders = [path for path in (store.path / name).rglob("*") if path.is_dir()]
+    lost = any(not any(folder.iterdir()) for folder in folders)
+    if number % 2 and (store.path / name).exists() and not lost:
+        repacked(store.path / name)
     return Damaged(store, kinds, tmp_path / "out")
 
 

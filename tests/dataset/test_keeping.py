@@ -9,9 +9,11 @@ import pytest
 
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.repair import Repaired, repair
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
+from tests.dataset.folders import repacked, unpacked
 from tests.episodes import INFO, episode_of
 from tools.identical import identical
 
@@ -41,7 +43,9 @@ class TestDrop:
         assert check(store) == []
 
     def test_a_damaged_one_goes_too(self, store, names) -> None:
-        (store.path / names[0] / "zarr.json").unlink()
+        inside = unpacked(store, names[0])
+        (inside / "zarr.json").unlink()
+        repacked(inside)
         store.drop(names[0])
         assert store.names() == names[1:]
 
@@ -54,6 +58,7 @@ class TestDrop:
         assert (store.path / "x").exists()
 
     def test_a_crash_on_the_way_is_out_of_sight(self, store, names, monkeypatch) -> None:
+        unpacked(store, names[0])
         monkeypatch.setattr(shutil, "rmtree", lambda _: (_ for _ in ()).throw(OSError("gone")))
         with pytest.raises(StoreError, match=f"cannot drop {names[0]}"):
             store.drop(names[0])
@@ -75,13 +80,14 @@ class TestRepair:
 
     def test_leftovers_go_when_nobody_writes_to_them(self, store, names) -> None:
         old, new = store.path / ".tmp-old", store.path / ".tmp-new"
-        shutil.copytree(store.path / names[0], old)
+        inside = unpacked(store, names[0])
+        shutil.copytree(inside, old)
         age(old)
         (store.path / ".tmp-file").touch()
         age(store.path / ".tmp-file")
         new.mkdir()
         # Its folder is old, but a chunk was written just now.
-        busy = shutil.copytree(store.path / names[0], store.path / ".tmp-busy")
+        busy = shutil.copytree(inside, store.path / ".tmp-busy")
         age(busy)
         (busy / "score" / "c.0").touch()
         done = repair(store, idle_s=600)
@@ -93,20 +99,20 @@ class TestRepair:
     def test_a_misnamed_episode_has_its_name_again(self, store, names) -> None:
         episode = store.read(names[0])
         other = episode_name(replace(INFO, index=77))
-        (store.path / names[0]).rename(store.path / other)
+        archive_path(store.path, names[0]).rename(archive_path(store.path, other))
         assert repair(store, idle_s=0).renamed == (names[0],)
         assert identical(store.read(names[0]), episode)
         assert check(store) == []
 
     def test_a_name_that_is_taken_is_not_given_twice(self, store, names) -> None:
         other = episode_name(replace(INFO, index=77))
-        shutil.copytree(store.path / names[0], store.path / other)
+        shutil.copy(archive_path(store.path, names[0]), archive_path(store.path, other))
         assert repair(store, idle_s=0).renamed == ()
         assert store.names() == [*names, other]
         assert [fault.name for fault in check(store)] == [other]
 
     def test_what_is_damaged_or_strange_stays(self, store, names) -> None:
-        (store.path / names[0] / "zarr.json").write_text("{")
+        (unpacked(store, names[0]) / "zarr.json").write_text("{")
         (store.path / "notes.txt").write_text("mine")
         assert repair(store, idle_s=0) == Repaired((), (), ())
         assert store.names() == names

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sheath_manip.dataset.mapped import mapped_samples
+from sheath_manip.dataset.mapped import mapped_once, mapped_samples
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types.samples import Samples, samples_from
+from tests.dataset.folders import unpacked
 from tests.dataset.generated import of_task
 from tests.episodes import INFO, episode_of
 
@@ -57,6 +58,18 @@ def test_they_are_built_once_for_the_same_episodes(filled, cache, monkeypatch) -
     assert len(list(cache.iterdir())) == 2
 
 
+def test_where_they_are_not_kept_nothing_is_left(filled, tmp_path) -> None:
+    once = mapped_once(filled, filled.names(), tmp_path / "runs" / "checkpoint.npz")
+    assert same(once, samples_from(filled.read_many(filled.names())))
+    assert list((tmp_path / "runs").iterdir()) == []
+    with pytest.raises(ParameterError, match="no labelled state"):
+        mapped_once(filled, [], tmp_path / "runs" / "checkpoint.npz")
+    (tmp_path / "file").touch()
+    with pytest.raises(StoreError, match="cannot keep the training states"):
+        mapped_once(filled, filled.names(), tmp_path / "file" / "checkpoint.npz")
+    assert list((tmp_path / "runs").iterdir()) == []
+
+
 def test_an_episode_recorded_anew_is_another(filled, cache) -> None:
     before = mapped_samples(filled, filled.names(), cache)
     name = filled.names()[0]
@@ -89,7 +102,7 @@ def test_no_label_no_training(store, cache) -> None:
 
 
 def test_a_damaged_episode_leaves_no_files(filled, cache) -> None:
-    (filled.path / filled.names()[1] / "images" / "top" / "c.0.0.0.0").write_bytes(b"x")
+    (unpacked(filled, filled.names()[1]) / "images" / "top" / "c.0.0.0.0").write_bytes(b"x")
     with pytest.raises(StoreError, match="images/top does not decode"):
         mapped_samples(filled, filled.names(), cache)
     assert list(cache.iterdir()) == []

@@ -16,6 +16,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.types import Outcome
 from sheath_manip.types.samples import samples_from
+from tests.dataset.tiny_episodes import entries
 from tests.episodes import INFO, episode_of
 from tools.identical import identical
 
@@ -110,7 +111,7 @@ def test_marks_go_where_the_episode_goes(store: EpisodeStore, tmp_path: Path) ->
     merge([store], other)
     assert other.marks(name) == marks
     other.drop(name)
-    assert [entry.name for entry in other.path.iterdir()] == ["sheath-store.json"]
+    assert entries(other) == ["sheath-store.json"]
 
 
 def test_show_tells_of_marks(store: EpisodeStore) -> None:

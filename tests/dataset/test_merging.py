@@ -18,6 +18,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.seeding import generator
 from sheath_manip.types import Outcome
+from tests.dataset.folders import unpacked
 from tests.episodes import INFO, episode_of
 
 
@@ -158,7 +159,7 @@ def test_one_store_holds_one_task(tmp_path: Path) -> None:
 
 def test_a_damaged_episode_stops_it(tmp_path: Path) -> None:
     sources = [filled(tmp_path / "a", [0]), filled(tmp_path / "b", [1])]
-    (sources[1].path / sources[1].names()[0] / "state" / "c.0.0").unlink()
+    (unpacked(sources[1], sources[1].names()[0]) / "state" / "c.0.0").unlink()
     target = EpisodeStore.create(tmp_path / "c")
     with pytest.raises(StoreError, match=r"state/c\.0\.0 is missing"):
         merge(sources, target)
@@ -226,7 +227,7 @@ class TestSplit:
 
     def test_a_damaged_episode_leaves_nothing(self, tmp_path: Path) -> None:
         store = filled(tmp_path / "a", range(2))
-        (store.path / store.names()[1] / "state" / "c.0.0").unlink()
+        (unpacked(store, store.names()[1]) / "state" / "c.0.0").unlink()
         with pytest.raises(StoreError, match=r"state/c\.0\.0 is missing"):
             split(store, {"x": 0.5, "y": 0.5}, tmp_path / "parts", generator("split", 0))
         assert [p.name for p in tmp_path.iterdir() if p.name != "a"] == []

@@ -1,19 +1,20 @@
 """An episode is appended whole and once, or it is refused and nothing is left of it."""
 
-import ctypes
 import errno
+import os
+import stat
 import threading
 from collections import namedtuple
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from sheath_manip.dataset import durable
 from sheath_manip.dataset import store as store_module
+from sheath_manip.dataset.archive import give_name
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
@@ -38,11 +39,11 @@ class TestAppending:
     ) -> None:
         barrier = threading.Barrier(2)
 
-        def publish_together(*files_aside_final: Any) -> None:
+        def name_together(archive: Path, final: Path) -> None:
             barrier.wait(DEADLINE_S)
-            durable.publish_files(*files_aside_final)
+            give_name(archive, final)
 
-        monkeypatch.setattr(store_module, "publish_files", publish_together)
+        monkeypatch.setattr(store_module, "give_name", name_together)
         episode, lines = tiny(INFO), []
 
         def append() -> None:
@@ -74,7 +75,7 @@ class TestAppending:
         def fail(*_: object) -> None:
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(store_module, "publish_files", fail)
+        monkeypatch.setattr(store_module, "write_archive", fail)
         with pytest.raises(StoreError, match="No space left"):
             store.append(tiny(INFO))
         assert entries(store) == ["sheath-store.json"]
@@ -92,39 +93,22 @@ class TestAppending:
     def test_all_is_on_the_disk_before_the_name_is(
         self, store: EpisodeStore, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        # As where there is no call for a whole file system.
-        monkeypatch.setattr(durable, "_syncfs", None)
-        synced: list[Path] = []
-        monkeypatch.setattr(durable, "sync", synced.append)
-        directory = store.path / store.append(tiny(INFO))
-        *before, last = synced
-        inside = {path.relative_to(directory) for path in directory.rglob("*")}
-        assert {Path(*path.relative_to(store.path).parts[1:]) for path in before} == inside | {
-            Path()
-        }
-        assert last == store.path
+        synced: list[int] = []
 
-    def test_or_the_file_system_is_synced_before_the_name_is_there(
-        self, store: EpisodeStore, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        seen: list[set[str]] = []
+        def fsync(descriptor: int) -> None:
+            status = os.fstat(descriptor)
+            if not stat.S_ISDIR(status.st_mode):
+                assert store.names() == []
+                synced.append(status.st_size)
 
-        def syncfs(descriptor: int) -> int:
-            aside = Path(f"/proc/self/fd/{descriptor}").readlink()
-            seen.append({path.relative_to(aside).as_posix() for path in aside.rglob("*")})
-            assert store.names() == []
-            return 0
-
-        monkeypatch.setattr(durable, "_syncfs", syncfs)
+        monkeypatch.setattr(os, "fsync", fsync)
         name = store.append(tiny(INFO))
-        directory = store.path / name
-        assert seen == [{path.relative_to(directory).as_posix() for path in directory.rglob("*")}]
+        assert synced[0] == archive_path(store.path, name).stat().st_size
 
-        def broken(_: int) -> int:
-            ctypes.set_errno(errno.EIO)
-            return -1
+        def broken(_: int) -> None:
+            raise OSError(errno.EIO, "Input/output error")
 
-        monkeypatch.setattr(durable, "_syncfs", broken)
+        monkeypatch.setattr(os, "fsync", broken)
         with pytest.raises(StoreError, match="Input/output error"):
             store.append(tiny(replace(INFO, index=8)))
         assert entries(store) == [name, "sheath-store.json"]

@@ -13,10 +13,12 @@ from rich.console import Console
 
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.faults import FaultKind
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.table import print_check, print_list
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode
+from tests.dataset.folders import repacked, unpacked
 from tests.dataset.seals import unseal
 
 
@@ -158,13 +160,26 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+NOT_IN_ARCHIVES = ("link", "folder by a link", "fifo", "grown")
+"""An archive has none of these; the last one takes no room in a folder."""
+
+
+@pytest.mark.parametrize(
+    ("fault", "archived"),
+    [
+        *((fault, False) for fault in FAULTS),
+        *((fault, True) for fault in FAULTS if fault not in NOT_IN_ARCHIVES),
+    ],
+)
 def test_every_fault_is_found_and_stops_a_reader(
-    store: EpisodeStore, episode: Episode, fault: str
+    store: EpisodeStore, episode: Episode, fault: str, archived: bool
 ) -> None:
     damage, kind, message = FAULTS[fault]
     name = store.append(episode)
-    damage(store.path / name)
+    inside = unpacked(store, name)
+    damage(inside)
+    if archived:
+        repacked(inside)
     found = [fault for fault in check(store) if fault.damaging]
     assert (name, kind) in {(fault.name, fault.kind) for fault in found}
     assert {fault.name for fault in found} == {name}
@@ -176,8 +191,10 @@ def test_every_fault_is_found_and_stops_a_reader(
 
 def test_all_faults_of_an_episode_are_named(store: EpisodeStore, episode: Episode) -> None:
     name = store.append(episode)
-    truncate_chunk(store.path / name)
-    delete_array(store.path / name)
+    inside = unpacked(store, name)
+    truncate_chunk(inside)
+    delete_array(inside)
+    repacked(inside)
     assert sorted(fault.kind for fault in check(store)) == ["missing", "unreadable"]
 
 
@@ -189,13 +206,13 @@ def test_only_actions_that_count_must_be_finite(
     store: EpisodeStore, episode: Episode, path: str, kinds: list[FaultKind]
 ) -> None:
     name = store.append(episode)
-    as_before(set_value(path, np.nan))(store.path / name)
+    as_before(set_value(path, np.nan))(unpacked(store, name))
     assert [fault.kind for fault in check(store)] == kinds
 
 
 def test_leftovers_and_foreign_entries(store: EpisodeStore, episode: Episode) -> None:
     name = store.append(episode)
-    shutil.copytree(store.path / name, store.path / ".tmp-1234")
+    shutil.copy(archive_path(store.path, name), store.path / ".tmp-1234")
     (store.path / "notes.txt").touch()
     assert [(fault.name, fault.kind, fault.damaging) for fault in check(store)] == [
         (".tmp-1234", FaultKind.LEFTOVER, False),
@@ -224,8 +241,20 @@ class TestTables:
         assert code == 0
         assert "1 episodes, 0 faults, 1 harmless leftovers" in text
 
+    def test_many_episodes_are_plain_lines(
+        self, store: EpisodeStore, episode: Episode, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        name = store.append(replace(episode, info=replace(episode.info, task="a\n\x1b[31m")))
+        monkeypatch.setattr("sheath_manip.dataset.table.MOST_ROWS", 0)
+        code, text = self.printed(print_list, store)
+        assert code == 0
+        address, headings, line, totals, *_ = text.splitlines()
+        assert (address, headings.split()[:2]) == (str(store.path), ["episode", "task"])
+        assert line.split()[:3] == [name, r"a\n\x1b[31m", "time-limit"]
+        assert "1 episodes, 70 steps" in totals
+
     def test_what_has_no_digest_is_told(self, store: EpisodeStore, episode: Episode) -> None:
-        unseal(store.path / store.append(episode))
+        unseal(unpacked(store, store.append(episode)))
         code, text = self.printed(print_check, store)
         assert code == 0
         assert "1 episodes, 0 faults" in text
@@ -246,7 +275,7 @@ class TestTables:
 
     def test_a_damaged_store(self, store: EpisodeStore, episode: Episode) -> None:
         name = store.append(episode)
-        truncate_header(store.path / name)
+        truncate_header(unpacked(store, name))
         code, text = self.printed(print_list, store)
         assert code == 1
         assert f"{name}: its zarr.json does not decode" in text

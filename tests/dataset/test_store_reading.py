@@ -8,13 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import zarr
+from zarr.storage import ZipStore
 
 from sheath_manip.dataset.check import check
 from sheath_manip.dataset.faults import FaultKind
 from sheath_manip.dataset.naming import episode_name
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, Limited, Purpose, SignalScore
+from tests.dataset.folders import unpacked
 from tests.dataset.seals import unseal
 from tests.dataset.tiny_episodes import INFO, tiny
 from tools.identical import identical
@@ -64,7 +67,7 @@ class TestReading:
         by_expert = [step.decision.actor == "expert" for step in episode.steps]
 
         def interventions(recorded: Episode) -> list[bool]:
-            group = zarr.open_group(store.path / store.append(recorded), mode="r")
+            group = zarr.open_group(zipped(store, store.append(recorded)), mode="r")
             array = group["intervention"]
             assert isinstance(array, zarr.Array)
             return np.asarray(array[:]).tolist()
@@ -102,15 +105,20 @@ class TestSignals:
 
     def test_what_a_score_is_made_of_is_kept(self, store: EpisodeStore) -> None:
         name = store.append(self.judged())
-        assert zarr.open_array(store.path / name, path="signals", mode="r").shape == (2, 2, 2)
+        assert zarr.open_array(zipped(store, name), path="signals", mode="r").shape == (2, 2, 2)
         assert identical(store.read(name), self.judged())
         assert store.read(name).columns.signals["precedent"][0].tolist() == [-0.5, 0.02]
 
     def test_an_episode_of_before_this_was_recorded_opens(self, store: EpisodeStore) -> None:
         name = store.append(tiny(INFO))
-        assert "signals" not in (store.path / name / "zarr.json").read_text()
+        assert "signals" not in zarr.open_group(zipped(store, name), mode="r")
         assert store.read(name).steps[0].decision.signals == ()
         assert check(store) == []
+
+
+def zipped(store: EpisodeStore, name: str) -> ZipStore:
+    """As zarr opens it."""
+    return ZipStore(archive_path(store.path, name), mode="r")
 
 
 class TestLimits:
@@ -122,19 +130,19 @@ class TestLimits:
 
     def test_what_the_command_filter_changed_is_kept(self, store: EpisodeStore) -> None:
         name = store.append(self.limited())
-        assert zarr.open_array(store.path / name, path="limited", mode="r").shape == (2, 2)
+        assert zarr.open_array(zipped(store, name), path="limited", mode="r").shape == (2, 2)
         first, second = store.read(name, need_images=False).steps
         assert first.limited == (Limited("joint velocity", 0.25), Limited("workspace", 1.5))
         assert second.limited == ()
 
     def test_an_episode_of_before_there_was_a_filter_opens(self, store: EpisodeStore) -> None:
         name = store.append(tiny(INFO))
-        unseal(store.path / name, lambda attributes: attributes.pop("limits"))
+        unseal(unpacked(store, name), lambda attributes: attributes.pop("limits"))
         assert not (store.path / name / "limited").exists()
         assert identical(store.read(name), tiny(INFO))
         assert check(store) == []
 
     def test_a_lost_array_of_limits_is_a_fault(self, store: EpisodeStore) -> None:
         name = store.append(self.limited())
-        shutil.rmtree(store.path / name / "limited")
+        shutil.rmtree(unpacked(store, name) / "limited")
         assert [fault.kind for fault in check(store)] == [FaultKind.MISSING]

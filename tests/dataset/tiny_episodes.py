@@ -1,5 +1,7 @@
 """The smallest episodes that a store takes, and what then lies in its directory."""
 
+from sheath_manip.dataset.archive import SUFFIX
+from sheath_manip.dataset.index import INDEX
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Episode, EpisodeInfo, Purpose
 from tools.synthetic import synthetic_episode
@@ -12,4 +14,6 @@ def tiny(info: EpisodeInfo) -> Episode:
 
 
 def entries(store: EpisodeStore) -> list[str]:
-    return sorted(path.name for path in store.path.iterdir())
+    """What is there, the index left out: episodes by their names."""
+    found = {path.name.removesuffix(SUFFIX) for path in store.path.iterdir()}
+    return sorted(found - {INDEX})

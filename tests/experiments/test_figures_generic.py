@@ -269,7 +269,7 @@ def test_results_are_drawn_again_from_their_summaries_alone(summary, tmp_path, c
 
 
 def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):
-    (next(store.path.glob("learning-sheath-*")) / "zarr.json").write_text("{")
+    next(store.path.glob("learning-sheath-*")).write_text("{")
     with pytest.raises(StoreError):
         write_figures(tmp_path, summary, store, names=["film_strip.png"])
 

@@ -21,6 +21,7 @@ import numpy as np
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Limited, Outcome
+from tests.dataset.folders import as_folders, repack
 from tests.faults.counting import Count, Verdict, counted
 from tests.faults.store_damages import DAMAGES
 from tests.faults.store_trial import Original, tried
@@ -55,6 +56,8 @@ def _run(count: int, seed: int, folder: Path) -> Iterator[Verdict]:
         shutil.copytree(sound.path, store)
         out.mkdir()
         damage(store, np.random.default_rng([seed, number]))
+        if number % 2:
+            repack(store)
         trial = tried(store, originals, out, kind in FORGED)
         if _listed(folder / "outside") != outside:
             trial.trouble = "what lies outside was changed"
@@ -79,6 +82,8 @@ def _sound(path: Path) -> tuple[EpisodeStore, Mapping[str, Original]]:
         name = store.append(episode)
         store.mark(name, marks)
         originals[name] = Original(episode, marks)
+    # Harm is done to files, and then half of the stores are made of archives again.
+    as_folders(path)
     return store, originals
 
 

@@ -109,7 +109,7 @@ def test_what_is_loaded_is_what_was_saved(policy, embedding, signal, tmp_path):
     )
     parts = {"policy": None, "fitted": None}
     assert {**vars(loaded), **parts} == {**vars(saved), **parts}
-    parts = {"policy": None, "signal": None, "held_out": None}
+    parts = {"policy": None, "signal": None, "held_out": None, "_parts": None}
     for kept, was in zip(loaded.fitted.held_out.episodes, HELD_OUT.episodes, strict=True):
         np.testing.assert_array_equal(kept, was)
     assert {**vars(loaded.fitted), **parts} == {**vars(saved.fitted), **parts}

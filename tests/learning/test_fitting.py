@@ -9,7 +9,8 @@ import pytest
 from sheath_manip.exceptions import GateWarning, UnknownNameError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.gates.fitted import FittedGate, Sources
-from sheath_manip.learning.fitting import fit_gate, recalibrated
+from sheath_manip.learning import fitting
+from sheath_manip.learning.fitting import fit_gate, fitted_rows, recalibrated
 from sheath_manip.support.calibration import REJECT_ALL
 from sheath_manip.support.config import SupportConfig, ThresholdConfig
 from sheath_manip.types.samples import Samples
@@ -129,3 +130,29 @@ def test_where_the_policy_errs_too_often_a_loss_aware_gate_lets_it_act_nowhere()
     fitted = loss_aware(CALIBRATION, training().labels[:, 0] != CHOICES[0])
     assert fitted.threshold == REJECT_ALL
     assert all(alarms(fitted, one) == 1 for one in CALIBRATION)
+
+
+def test_of_many_states_a_gate_is_fitted_to_some_from_everywhere(monkeypatch):
+    monkeypatch.setattr(fitting, "MOST_STATES", 40)
+    policy, states = fitted_policy("hog-svm"), training()
+    assert len(states) > 40
+    rows, asked = fitted_rows(len(states)), []
+
+    def agreement() -> np.ndarray:
+        asked.append(len(states))
+        return np.arange(len(states)) % 2 == 0
+
+    config = replace(CONFIG, support=SupportConfig(name="loss-aware-svm"))
+    fit = fit_gate(policy, states, CALIBRATION, config, sources=SOURCES, agreement=agreement)
+    assert (len(fit.looks.states), asked) == (40, [len(states)])
+    assert np.array_equal(fit.looks.labels, states.labels[rows])
+    again = fit_gate(policy, states, CALIBRATION, config, sources=SOURCES, agreement=agreement)
+    assert again.gate.threshold == fit.gate.threshold
+    assert np.array_equal(fitted_rows(40), np.arange(40))
+    assert len(np.unique(fitted_rows(1000))) == 40
+    assert fitted_rows(1000).max() > 900
+
+
+def test_of_few_states_all_are_taken():
+    fit = fit_gate(fitted_policy("hog-svm"), training(), CALIBRATION, CONFIG, sources=SOURCES)
+    assert np.array_equal(fit.looks.labels, training().labels)

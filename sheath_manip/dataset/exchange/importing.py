@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from sheath_manip.dataset.archive import give_name
 from sheath_manip.dataset.compatibility import Alike, RecordedSpec
-from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.exchange.formats import (
     ForeignFile,
     HasMasks,
@@ -20,6 +20,7 @@ from sheath_manip.dataset.exchange.key_map import KeyMap, interpret, numbered
 from sheath_manip.dataset.header import LEAST_RATE_HZ, MOST_RATE_HZ, is_rate
 from sheath_manip.dataset.layout import layout
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, SetupError, SheathError, StoreError
@@ -122,7 +123,7 @@ def _published(staged: EpisodeStore, store: EpisodeStore) -> int:
     done: list[str] = []
     try:
         for name in staged.names():
-            publish(staged.path / name, store.path / name)
+            give_name(archive_path(staged.path, name), archive_path(store.path, name))
             done.append(name)
     except BaseException:
         for name in done:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import zarr
 
+from sheath_manip.dataset.archive import give_name
 from sheath_manip.dataset.check import check
-from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.exchange import importing
 from sheath_manip.dataset.exchange.formats import open_file
 from sheath_manip.dataset.exchange.importing import Origin, import_episodes
@@ -231,9 +231,9 @@ def test_what_fails_on_the_way_into_the_store_leaves_none(buffer, store, monkeyp
     def second_fails(directory: Path, final: Path) -> None:
         if store.names():
             raise cause
-        publish(directory, final)
+        give_name(directory, final)
 
-    monkeypatch.setattr(importing, "publish", second_fails)
+    monkeypatch.setattr(importing, "give_name", second_fails)
     with pytest.raises((StoreError, KeyboardInterrupt)):
         import_episodes(open_file("replay-buffer", buffer), store, origin("features=state"))
     assert [entry.name for entry in store.path.iterdir()] == ["sheath-store.json"]
