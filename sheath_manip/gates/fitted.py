@@ -1,6 +1,7 @@
 """What a gate knows once it is fitted: enough to judge a proposal, and to be saved."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,9 +43,9 @@ class FittedGate:
     progress: Progress | None = None
     """how little the expert moves within a while; None where nobody asks for it"""
 
-    @property
+    @cached_property
     def readers(self) -> tuple[Reader, ...]:
-        """What the signal takes of each look."""
+        """What the signal takes of each look; asked once, since each step asks again."""
         return self.fitted_signal.attach(self.policy)
 
     @property
