@@ -1,5 +1,6 @@
 """What is taken of a look: readers, each a small value, so that equal ones share the reading."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
@@ -91,7 +92,7 @@ class MiddleOfLastLayer:
         layer = numbered_layers(proposal)[-1].numpy()
         top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
         middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
-        return middle.reshape(len(middle), -1)
+        return middle.reshape(len(middle), math.prod(middle.shape[1:]))
 
 
 @dataclass(frozen=True)
