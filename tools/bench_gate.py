@@ -12,6 +12,7 @@ with the threads that numpy takes when it is left alone, as a user gets it, so l
 idle; its line tells what one thread does as well. --quick takes other sizes, to see that it runs.
 """
 
+import itertools
 import multiprocessing
 import os
 import resource
@@ -19,7 +20,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -30,16 +31,19 @@ from threadpoolctl import threadpool_limits
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning.checkpoint import Checkpoint
+from sheath_manip.learning.drivers import ExpertAlone
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.protocols import Gate
+from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.support.one_class_svm import OneClassSupport
 from sheath_manip.tasks.table import STUDIES, TASKS
-from sheath_manip.types import Observation, Purpose
+from sheath_manip.types import EpisodeInfo, Observation, Purpose
 from tools.bench import Clock, Line, at_least, at_most, medians, run_bench, spent_s
 
 NU = 0.1
+DRAFT_BANDWIDTH = 0.01
 SCORE_DIMENSIONS, FIT_DIMENSIONS, MANIFOLD_DIMENSIONS = 128, 64, 6
 # Scores are float32's: within this of the boundary, in units of the sum of duals, a sign is noise.
 BAND = 1e-6
@@ -61,6 +65,8 @@ class Sizes:
     points: int = 20_000
     fit_rounds: int = 3
     many_points: int = 200_000
+    draft_points: int = 11_000
+    """expert's states of the platformer, under the draft's gate"""
     demonstrations: int = 30
     held_out: int = 5
     """expert episodes that the gate is calibrated on"""
@@ -73,6 +79,7 @@ QUICK = Sizes(
     points=5_200,
     fit_rounds=1,
     many_points=5_500,
+    draft_points=1_000,
     demonstrations=3,
     held_out=3,
 )
@@ -219,6 +226,51 @@ def large_lines(sizes: Sizes) -> dict[str, Line]:
     }
 
 
+def draft_fit(states: NDArray) -> tuple[float, float, float]:
+    """CPU seconds of one fit, the GiB that its process held at most, and the share of vectors."""
+    with single_threaded():
+        support = OneClassSupport(NU, DRAFT_BANDWIDTH, bandwidth_unit="dimensions")
+        spent = spent_s(lambda: support.fit(states))
+    distinct = len(np.unique(states, axis=0))
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    return spent, held, len(support.kernel_sum_.weights) / distinct
+
+
+def draft_lines(sizes: Sizes) -> dict[str, Line]:
+    """A fit where nearly every state is a support vector, in a process of its own."""
+    states = expert_states("platformer", sizes.draft_points)
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        spent, held, share = pool.submit(draft_fit, states).result()
+    count, width = states.shape
+    how = (
+        f"expert's states of {width} bits, c = {DRAFT_BANDWIDTH:g}·{width}, {share:.0%} of those "
+        "that differ are vectors, once, in its own process"
+    )
+    return {
+        f"fit {count} platformer states": at_most(spent, 5, "CPU s", how),
+        f"memory, {count} platformer states": at_most(held, 1.6, "GiB", how),
+    }
+
+
+def expert_states(name: str, count: int) -> NDArray[np.float64]:
+    """(count, f) features that a task's expert comes by, episode after episode."""
+    task = TASKS[name]
+    environment = task.make()
+    info = EpisodeInfo.of(
+        environment.spec, variant="default", seed=0, purpose=Purpose.DEMONSTRATION
+    )
+    environment.close()
+    infos = (replace(info, seed=seed, index=seed) for seed in itertools.count())
+    states: list[NDArray] = []
+    with SerialExecutor() as executor:
+        for episode in executor.map(EpisodeRequest(task, each, ExpertAlone()) for each in infos):
+            states += [step.observation.features for step in episode.steps]
+            if len(states) >= count:
+                break
+    return np.stack(states[:count]).astype(np.float64)
+
+
 def judged_lines(sizes: Sizes) -> dict[str, Line]:
     """One step's look and judgement against the look alone, by task."""
     lines = {}
@@ -273,7 +325,7 @@ def fitted(name: str, folder: Path, sizes: Sizes) -> tuple[Checkpoint, int, list
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print a line a number, write the file."""
-    measures = score_lines, fit_lines, large_lines, judged_lines
+    measures = score_lines, fit_lines, large_lines, draft_lines, judged_lines
     run_bench("gate", __doc__, measures, Sizes(), QUICK, arguments)
 
 

@@ -47,9 +47,9 @@ class FittedGate:
     held_out: HeldOut = field(default_factory=HeldOut)
     """how the held-out expert episodes score; empty where older versions fitted it"""
 
-    @property
+    @cached_property
     def readers(self) -> tuple[Reader, ...]:
-        """What the signal takes of each look."""
+        """What the signal takes of each look; asked once, since each step asks again."""
         return self.fitted_signal.attach(self.policy)
 
     @property

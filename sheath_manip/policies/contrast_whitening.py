@@ -45,5 +45,5 @@ class ContrastWhitening(Whitening):
         # Where nothing is wider there is no contrast to judge by, and whitening has to do.
         if wider.any():
             basis = vectors[:, wider] * np.sqrt(1 - 1 / values[wider])
-            self.matrix_ = (self.matrix_ @ basis).astype(np.float32)
+            self._take(self.matrix_ @ basis)
         return self

@@ -1,16 +1,16 @@
 """What is taken of a look: readers, each a small value, so that equal ones share the reading."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch.nn import functional
 
 from sheath_manip.exceptions import ParameterError
+from sheath_manip.policies.shrinking import averaging, shrinking
 from sheath_manip.policies.spatial_network import image_points
 from sheath_manip.protocols import PredictingPolicy, Reader
 from sheath_manip.types import Observations, Proposal, TaskSpec
@@ -89,10 +89,10 @@ class MiddleOfLastLayer:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, channels[-1] * cells)."""
         del observations
-        layer = numbered_layers(proposal)[-1]
+        layer = numbered_layers(proposal)[-1].numpy()
         top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
         middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
-        return middle.flatten(1).numpy()
+        return middle.reshape(len(middle), math.prod(middle.shape[1:]))
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,7 @@ class LayerOnGrid:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, c * side²)."""
         del observations
-        layer = numbered_layers(proposal)[self.layer]
-        return functional.adaptive_avg_pool2d(layer, self.side).flatten(1).numpy()
+        return _on_grid(numbered_layers(proposal)[self.layer], self.side)
 
 
 @dataclass(frozen=True)
@@ -124,8 +123,7 @@ class CamerasOnGrid:
         """(n, cameras * c * side²)."""
         del observations
         layers = _of_cameras(layers_by_camera(proposal), self.cameras)
-        pooled = [functional.adaptive_avg_pool2d(layer, self.side).flatten(1) for layer in layers]
-        return torch.cat(pooled, dim=1).numpy()
+        return np.concatenate([_on_grid(layer, self.side) for layer in layers], axis=1)
 
 
 @dataclass(frozen=True)
@@ -160,12 +158,9 @@ class ShrunkPixels:
         return np.concatenate([self._of_camera(each) for each in images], axis=1)
 
     def _of_camera(self, images: NDArray[np.uint8]) -> NDArray[np.float32]:
-        top, left = (round(side * (1 - self.middle) / 2) for side in images.shape[1:3])
-        middles = images[:, top : images.shape[1] - top, left : images.shape[2] - left]
-        small = np.empty((len(images), self.side, self.side, 3), np.uint8)
-        for index, image in enumerate(middles):
-            cv2.resize(image, (self.side, self.side), small[index], interpolation=cv2.INTER_AREA)
-        return small.reshape(len(small), 3 * self.side**2).astype(np.float32) / np.float32(255)
+        height, width = images.shape[1:3]
+        shrunk = shrinking(height, width, self.side, self.middle).shrink(images)
+        return shrunk / np.float32(255)
 
 
 @dataclass(frozen=True)
@@ -244,6 +239,15 @@ def _of_cameras(by_camera: Mapping[str, Any], wanted: tuple[str, ...]) -> list[A
     """Return what there is of the cameras that are `wanted`, of all where none is named."""
     require_named(wanted, by_camera)
     return [by_camera[name] for name in wanted or sorted(by_camera)]
+
+
+def _on_grid(layer: torch.Tensor, side: int) -> NDArray[np.float32]:
+    """Return (n, c * side²), the means of an (n, c, h, w) layer over the cells of a grid."""
+    count, channels, height, width = layer.shape
+    # Channels come last in memory.
+    cells = layer.numpy().transpose(0, 2, 3, 1).reshape(count, height * width, channels)
+    means = averaging(height, width, side) @ cells
+    return means.transpose(0, 2, 1).reshape(count, channels * side**2)
 
 
 def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:

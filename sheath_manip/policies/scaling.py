@@ -99,12 +99,18 @@ class Whitening:
         values, vectors = np.linalg.eigh(covariance)
         # Shrinkage leaves zero eigenvalues only where nothing moved at all.
         roots = np.sqrt(np.maximum(values, 1e-6 * max(float(values[-1]), 1e-6)))
-        self.matrix_ = ((vectors / roots) @ vectors.T).astype(np.float32)
-        return self
+        return self._take((vectors / roots) @ vectors.T)
 
     def transform(self, X: NDArray) -> NDArray[np.float32]:
         """(n, d) whitened vectors."""
-        return self.standardisation.transform(X) @ self.matrix_
+        return (np.asarray(X, np.float32) - self.standardisation.mean_) @ self._product
+
+    def _take(self, matrix: NDArray) -> Self:
+        """Whiten what is standardised by a (d, k) matrix."""
+        self.matrix_ = matrix.astype(np.float32)
+        # Of one state each step counts, and each pass over memory.
+        self._product = self.standardisation.factor_[:, None] * self.matrix_
+        return self
 
     def arrays(self) -> Arrays:
         """Mean and factor, each (d,), and the (d, d) whitening matrix."""
@@ -114,5 +120,4 @@ class Whitening:
         """Take over `arrays()`; ParameterError where their shapes do not belong together."""
         self.standardisation.load(arrays)
         width = len(self.standardisation.mean_)
-        self.matrix_ = numbers(arrays, "matrix", width, None).astype(np.float32)
-        return self
+        return self._take(numbers(arrays, "matrix", width, None))

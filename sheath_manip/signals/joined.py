@@ -62,11 +62,11 @@ class Reference:
         return int(self.scores.searchsorted(score)) / len(self.scores)
 
     def log_share(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(n,) the logarithm of the share of the m that is below each of (n,) `scores`."""
+        """(n,) the logarithm of the share of the m below each of (n,) `scores`; NaN for NaN."""
         below = self.scores.searchsorted(scores)
+        # The minimum of NaN is NaN.
         beyond = np.minimum((scores - self.scores[0]) / self.spread, 0.0)
-        logs = self.logs[below] + STEEPNESS * beyond
-        return np.where(np.isnan(scores), np.nan, logs)
+        return self.logs[below] + STEEPNESS * beyond
 
 
 class JoinedSignal:
@@ -119,8 +119,10 @@ class JoinedSignal:
 
     def measure(self, seen: Seen) -> NDArray[np.float64]:
         """(n, signals) the score of each signal."""
-        scores = [signal.scores(signal.measure(seen)) for signal in self.signals.values()]
-        return np.stack(scores, axis=1)
+        measured = np.empty((len(seen), len(self.signals)))
+        for column, signal in enumerate(self.signals.values()):
+            measured[:, column] = signal.scores(signal.measure(seen))
+        return measured
 
     def calibrate(self, measures: Sequence[NDArray]) -> Self:
         """Learn how held-out expert episodes score; ParameterError where a signal has no score.
@@ -141,7 +143,7 @@ class JoinedSignal:
 
     def scores(self, measures: NDArray) -> NDArray[np.float64]:
         """(n,) weighted sums of log p; NaN where a signal has no score."""
-        return np.sum(list(self.parts(measures).values()), axis=0)
+        return sum(self.parts(measures).values(), np.zeros(len(measures)))
 
     def parts(self, measures: NDArray) -> Mapping[str, NDArray[np.float64]]:
         """(n,) what each signal adds to the score, by name."""

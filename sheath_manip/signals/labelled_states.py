@@ -1,7 +1,6 @@
 """The policy's training states with their labels, and how far off they are from new ones."""
 
-from collections.abc import Iterator
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,21 +10,11 @@ from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.signals.nearest import nearest
+from sheath_manip.signals.nearest_rows import BATCH, NearestRows, distances, smallest
 from sheath_manip.types.seen import Precedents, Seen
 
-# Rows compared at once: with 10,000 training states their distances take 40 MB.
-BATCH = 1024
-
-
-class Compared(NamedTuple):
-    """Some of the new states, and all m training states."""
-
-    squares: NDArray[np.float32]
-    """(n, m) of their distances in the embedding; rounding may leave one a little below 0"""
-    same: NDArray[np.bool_]
-    """(n, m) whether the training state's label is what the policy proposes in the new one"""
-    broken: NDArray[np.bool_]
-    """(n,) where vector or proposal is not finite: nothing can be said"""
+MOST_CHOICES = 64
+"""labels that differ: with more the actions are no choices, and each has hardly a state"""
 
 
 class LabelledStates:
@@ -53,12 +42,16 @@ class LabelledStates:
         """Keep the vectors and labels of the policy's training states."""
         return self._take(self.embedding.fit(seen).transform(seen), np.asarray(labels))
 
-    def compared(self, seen: Seen) -> Iterator[Compared]:
-        """Compare all new states in turn, as many at once as memory likes."""
-        vectors = self.embedding.transform(seen)
-        for first in range(0, len(vectors), BATCH):
-            rows = slice(first, first + BATCH)
-            yield self._batch(vectors[rows], seen.actions[rows])
+    def alike(self, seen: Seen, place: int = 1) -> NDArray[np.float64]:
+        """Return (n,) distances to the `place`-th nearest state with what is proposed as its label.
+
+        Infinite where there are fewer; NaN where vector or proposal is not finite.
+        """
+        return self._nearest(seen, self._same(seen.actions), place)
+
+    def unlike(self, seen: Seen) -> NDArray[np.float64]:
+        """Return (n,) distances to the nearest state with any other label, as `alike`."""
+        return self._nearest(seen, np.logical_not(self._same(seen.actions)), 1)
 
     def nearest(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state; None where it is not finite."""
@@ -79,21 +72,46 @@ class LabelledStates:
     def _take(self, vectors: NDArray, labels: NDArray) -> Self:
         self.vectors_ = np.asarray(vectors, np.float32)
         self.labels_ = np.asarray(labels, np.float32)
-        self._squares = np.einsum("nd,nd->n", self.vectors_, self.vectors_)
         # Expert's choices are few: a proposal is held against each once, not against every state.
-        self._distinct, self._which = np.unique(self.labels_, axis=0, return_inverse=True)
+        self._distinct, which = np.unique(self.labels_, axis=0, return_inverse=True)
+        self._which = which.ravel()
         self._reach = self.tolerance * np.ptp(self.labels_, axis=0) + 1e-6
+        if len(self._distinct) > MOST_CHOICES:
+            self._rows = [NearestRows(self.vectors_)]
+        else:
+            chosen = (self._which == each for each in range(len(self._distinct)))
+            self._rows = [NearestRows(self.vectors_[these]) for these in chosen]
         return self
 
-    def _batch(self, vectors: NDArray[np.float32], proposed: NDArray) -> Compared:
-        squares = self._squares - 2 * (vectors @ self.vectors_.T)
-        squares += np.einsum("nd,nd->n", vectors, vectors)[:, None]
-        alike = (np.abs(proposed[:, None] - self._distinct) <= self._reach).all(axis=2)
-        same = alike.take(self._which, axis=1)
-        finite = np.isfinite(vectors).all(axis=1) & np.isfinite(proposed).all(axis=1)
-        return Compared(squares, same, np.logical_not(finite))
+    def _same(self, proposed: NDArray) -> NDArray[np.bool_]:
+        """(n, distinct labels) whether the label counts as the proposal."""
+        return (np.abs(proposed[:, None] - self._distinct) <= self._reach).all(axis=2)
 
+    def _nearest(self, seen: Seen, asked: NDArray[np.bool_], place: int) -> NDArray[np.float64]:
+        """(n,) distances to the `place`-th nearest state with a label that is `asked` for."""
+        vectors = self.embedding.transform(seen)
+        by_choice = len(self._distinct) <= MOST_CHOICES
+        squares = (self._by_choice if by_choice else self._one_by_one)(vectors, asked, place)
+        finite = np.isfinite(vectors).all(axis=1) & np.isfinite(seen.actions).all(axis=1)
+        return np.where(finite, distances(squares), np.nan)
 
-def distances(squares: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Return the distances, roots of the squared ones."""
-    return np.sqrt(np.maximum(squares, 0)).astype(np.float64)
+    def _by_choice(
+        self, vectors: NDArray[np.float32], asked: NDArray[np.bool_], place: int
+    ) -> NDArray[np.float32]:
+        found = np.full((len(vectors), place), np.float32(np.inf))
+        for rows, asking in zip(self._rows, asked.T, strict=True):
+            if asking.any():
+                nearest = rows.nearest(vectors[asking], place)
+                found[asking] = smallest(np.concatenate([found[asking], nearest], axis=1), place)
+        return found[:, -1]
+
+    def _one_by_one(
+        self, vectors: NDArray[np.float32], asked: NDArray[np.bool_], place: int
+    ) -> NDArray[np.float32]:
+        found = np.full(len(vectors), np.float32(np.inf))
+        for first in range(0, len(vectors) if len(self._which) >= place else 0, BATCH):
+            some = slice(first, first + BATCH)
+            squares = self._rows[0].squares(vectors[some])
+            kept = np.where(asked[some].take(self._which, axis=1), squares, np.float32(np.inf))
+            found[some] = smallest(kept, place)[:, -1]
+        return found

@@ -22,11 +22,9 @@ from sheath_manip.protocols import (
     Reader,
 )
 from sheath_manip.signals.nearest import nearest
+from sheath_manip.signals.nearest_rows import NearestRows, distances
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Precedents, Seen
-
-# Rows compared at once: with 10,000 training states their distances take 40 MB.
-BATCH = 1024
 
 LEAST_RANGE = 0.1
 """of the labels in a dimension, as a share of their largest"""
@@ -76,10 +74,7 @@ class NearPrecedentSignal(SingleMeasure):
         """(n,) minus the distance: 0 on a training state where the policy does as labelled."""
         actions = self._framed(seen.actions, seen.features)
         joined = self._joined(self.embedding.transform(seen), actions)
-        parts = [
-            self._distances(joined[first : first + BATCH]) for first in range(0, len(joined), BATCH)
-        ]
-        return -np.concatenate([np.empty(0), *parts])
+        return -distances(self._rows.nearest(joined)[:, 0])
 
     def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state; actions as the policy sees them."""
@@ -116,12 +111,5 @@ class NearPrecedentSignal(SingleMeasure):
 
     def _take(self, joined: NDArray) -> Self:
         self.joined_ = np.asarray(joined, np.float32)
-        self._squares = np.vecdot(self.joined_, self.joined_)
-        # Laid out so that one row times it runs fastest.
-        self._columns = np.ascontiguousarray(-2 * self.joined_.T)
+        self._rows = NearestRows(self.joined_)
         return self
-
-    def _distances(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
-        """(n,) NaN for rows that are not finite."""
-        nearest = (rows @ self._columns + self._squares).min(axis=1) + np.vecdot(rows, rows)
-        return np.sqrt(np.maximum(nearest, 0), dtype=np.float64)

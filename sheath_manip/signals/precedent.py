@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.protocols import Agreement, Arrays, Embedding, PredictingPolicy, Reader
-from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
+from sheath_manip.signals.labelled_states import LabelledStates
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Precedents, Seen
 
@@ -40,8 +40,7 @@ class PrecedentSignal(SingleMeasure):
 
     def score(self, seen: Seen) -> NDArray[np.float64]:
         """(n,) minus the distance: 0 on a training state, -inf without any precedent."""
-        parts = [_score(compared) for compared in self.states.compared(seen)]
-        return np.concatenate([np.empty(0), *parts])
+        return -self.states.alike(seen)
 
     def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state."""
@@ -55,8 +54,3 @@ class PrecedentSignal(SingleMeasure):
         """Take over `arrays()`."""
         self.states.load(arrays)
         return self
-
-
-def _score(compared: Compared) -> NDArray[np.float64]:
-    nearest = np.where(compared.same, compared.squares, np.inf).min(axis=1)
-    return np.where(compared.broken, np.nan, -distances(nearest))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Agreement, Arrays, Embedding, PredictingPolicy, Reader
-from sheath_manip.signals.labelled_states import Compared, LabelledStates, distances
+from sheath_manip.signals.labelled_states import LabelledStates
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Precedents, Seen
 
@@ -61,8 +61,12 @@ class TrustSignal(SingleMeasure):
 
     def score(self, seen: Seen) -> NDArray[np.float64]:
         """Return (n,) in -1..1: -1 with too few precedents, 1 with enough and no objection."""
-        parts = [self._score(compared) for compared in self.states.compared(seen)]
-        return np.concatenate([np.empty(0), *parts])
+        against = self.states.unlike(seen)
+        backed = self.states.alike(seen, self.precedents)
+        with np.errstate(invalid="ignore"):
+            score = (against - backed) / (against + backed + self._resolution)
+        score = np.where(np.isinf(against), 1.0, score)
+        return np.where(np.isinf(backed), -1.0, score)
 
     def nearest_states(self, seen: Seen, count: int) -> Precedents | None:
         """Return the training states nearest to one state."""
@@ -81,18 +85,3 @@ class TrustSignal(SingleMeasure):
         spread = float(np.sqrt(self.states.vectors_.var(axis=0, dtype=np.float64).sum()))
         self._resolution = RESOLUTION * spread if spread > 0 else 1.0
         return self
-
-    def _score(self, compared: Compared) -> NDArray[np.float64]:
-        squares, same, broken = compared
-        against = distances(np.where(same, np.inf, squares).min(axis=1))
-        if squares.shape[1] < self.precedents:
-            backed = np.full(len(squares), np.inf)
-        else:
-            nearest = np.where(same, squares, np.inf)
-            last = self.precedents - 1
-            backed = distances(np.partition(nearest, last, axis=1)[:, last])
-        with np.errstate(invalid="ignore"):
-            score = (against - backed) / (against + backed + self._resolution)
-        score = np.where(np.isinf(against), 1.0, score)
-        score = np.where(np.isinf(backed), -1.0, score)
-        return np.where(broken, np.nan, score)

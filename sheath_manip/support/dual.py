@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from sheath_manip.support.block_solver import BlockSolver
 from sheath_manip.support.dense_solver import solve_dense
+from sheath_manip.support.free_solver import solve_free
 from sheath_manip.support.vectors import squared_distances
 
 # Up to here libsvm holds the whole kernel, 200 MB; beyond, blocks of it are faster and as exact.
 DIRECT_POINTS = 5000
-# As long as that fits into memory it is also faster where each point has a say: blocks then have to
-# meet every point several times (13 s against 3 for 6600 states of 665 bits at c = 0.01·665).
-DIRECT_POINTS_IF_ALL_COUNT = 10_000
+# Where each point has a say blocks have to meet every point several times (13 s for 6600 states of
+# 665 bits at c = 0.01·665); one linear system is quicker as long as it fits into memory, 800 MB.
+FREE_POINTS = 20_000
 NEARLY_ALL = 0.75
 """share of support vectors among so many points:"""
 SAMPLE = 1000
@@ -45,8 +46,10 @@ def solve_dual(
     most = most * max(1.0, 1 / (MOST_NU * most.sum()))
     if len(points) <= DIRECT_POINTS:
         return _solve_at_once(points, c, most, signs)
-    if len(points) <= DIRECT_POINTS_IF_ALL_COUNT and _nearly_all_count(points, c, most, signs):
-        return _solve_at_once(points, c, most, signs)
+    if len(points) <= FREE_POINTS and _nearly_all_count(points, c, most, signs):
+        solved = solve_free(points, c, most, signs)
+        if solved is not None:
+            return solved
     return BlockSolver.of(points, c, most, signs).solve(earlier)
 
 
