@@ -1,6 +1,6 @@
 """Compare what LeRobot's ACT learns under our gate, at random takeovers and by DAgger.
 
-    python -m tools.lerobot.compare --runs RUNS [--results results/outside/lerobot-rounds.json]
+    python -m tools.lerobot.compare --runs RUNS [--results results/outside/lerobot-rounds/summary.json]
 
 in the venv of `python -m tools.lerobot`; `comparison_plan.py` says what is compared and why. What
 is done is kept in RUNS, and a second call goes on from there. Results hold the training seeds that
@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--runs", type=Path, required=True, help="folder of what is done so far")
     parser.add_argument(
-        "--results", type=Path, default=Path("results", "outside", "lerobot-rounds.json")
+        "--results", type=Path, default=Path("results", "outside", "lerobot-rounds", "summary.json")
     )
     parser.add_argument(
         "--quick", action="store_true", help="a minute's worth, which shows nothing"
