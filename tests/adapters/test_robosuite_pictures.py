@@ -38,7 +38,7 @@ class Lift:
         shade = getattr(self.screen.current, "shade", 0)
         return {"front_image": np.full((2, 2, 3), shade, np.uint8)}
 
-    def step(self, action):
+    def step(self, _):
         return self.reset(), 0.0, False, {}
 
     def _get_observations(self):

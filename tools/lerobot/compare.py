@@ -1,6 +1,6 @@
 """Compare what LeRobot's ACT learns under our gate, at random takeovers and by DAgger.
 
-    python -m tools.lerobot.compare --runs RUNS [--results results/outside/lerobot-rounds/summary.json]
+    python -m tools.lerobot.compare --runs RUNS [--results SUMMARY] [--seeds 100] [--quick]
 
 in the venv of `python -m tools.lerobot`; `comparison_plan.py` says what is compared and why. What
 is done is kept in RUNS, and a second call goes on from there. Results hold the training seeds that
@@ -10,7 +10,7 @@ are through; the exit code is 1 where a bar is missed.
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +35,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--quick", action="store_true", help="a minute's worth, which shows nothing"
     )
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", help="of training runs, for tuning; by default the plan's"
+    )
     options = parser.parse_args(arguments)
     plan = QUICK_COMPARISON if options.quick else ComparisonPlan()
+    if options.seeds:
+        plan = replace(plan, seeds=tuple(options.seeds))
     try:
         held = compare(plan, options.runs, options.results)
     except SheathError as error:
