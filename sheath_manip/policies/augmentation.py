@@ -23,6 +23,13 @@ def shifted(images: NDArray[np.uint8], most_px: int, rng: np.random.Generator) -
     return moved
 
 
+def noisy(
+    features: NDArray[np.float32], deviation: float, rng: np.random.Generator
+) -> NDArray[np.float32]:
+    """(n, f) features, each with normal noise of that standard deviation."""
+    return features + deviation * rng.standard_normal(features.shape, np.float32)
+
+
 def reflected(samples: Samples, mirror: Mirror, rng: np.random.Generator) -> Samples:
     """`samples`, about half of them replaced by their mirror images."""
     flipped = rng.random(len(samples)) < 0.5

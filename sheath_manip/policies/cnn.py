@@ -20,6 +20,7 @@ from sheath_manip.policies.choices import (
     nearest_choices,
     zero_one_losses,
 )
+from sheath_manip.policies.descent import Descent
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.network import ConvNetwork
@@ -134,30 +135,23 @@ class ConvPolicy(Memoryless):
         weights = np.maximum(counts, 1.0) ** -self.class_balance
         weights /= weights[classes].mean()
         loss_of = nn.CrossEntropyLoss(torch.as_tensor(weights, dtype=torch.float32))
-        optimiser = torch.optim.AdamW(
-            network.parameters(), self.learning_rate, weight_decay=self.weight_decay
-        )
-        network.train()
-        order = np.empty(0, dtype=np.int64)
-        for step in range(steps):
-            if len(order) == 0:
-                order = rng.permutation(len(samples))
-            batch, order = order[: self.batch_size], order[self.batch_size :]
-            for group in optimiser.param_groups:
-                group["lr"] = self.learning_rate * (1 - step / steps)
+
+        def loss(batch: NDArray[np.int64]) -> torch.Tensor:
             # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
             with torch.autocast("cpu", torch.bfloat16):
                 shown = shifted(images[batch], self.shift_px, rng)
                 last = network.activations(torch.from_numpy(shown), torch.bfloat16)[-1]
                 logits = network.logits(last)
                 pictures = None if network.decoder is None else network.decoder(last)
-            loss = loss_of(logits.float(), torch.from_numpy(classes[batch]))
-            if pictures is not None:
-                loss = loss + self.reconstruction_weight * reconstruction_loss(pictures, shown)
-            optimiser.zero_grad()
-            loss.backward()
-            optimiser.step()
-        network.eval()
+            value = loss_of(logits.float(), torch.from_numpy(classes[batch]))
+            if pictures is None:
+                return value
+            return value + self.reconstruction_weight * reconstruction_loss(pictures, shown)
+
+        descent = Descent(
+            steps, self.learning_rate, self.batch_size, self.weight_decay, fused=False
+        )
+        descent.run(network, len(samples), rng, loss)
 
     def predict(self, observations: Observations) -> Proposal:
         """Take the likeliest choices; features go unused.

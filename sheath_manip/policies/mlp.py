@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from torch.nn import functional
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.augmentation import reflected
+from sheath_manip.policies.augmentation import noisy, reflected
 from sheath_manip.policies.choices import (
     choices_of,
     likeliest,
     nearest_choices,
     zero_one_losses,
 )
+from sheath_manip.policies.descent import Descent
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
@@ -96,9 +97,19 @@ class MlpPolicy(Memoryless):
             steps, rate = self.steps, self.learning_rate
             self.network_ = self._fresh_network()
             self.scaling_.fit(samples.features)
+        network, seen = self.network_, replace(samples, images={})
         # Each refit draws its own order of batches.
         rng = np.random.default_rng([self.seed, self.fits_])
-        self._train(self.network_, replace(samples, images={}), steps, rate, rng)
+
+        def loss(batch: NDArray[np.int64]) -> torch.Tensor:
+            states = seen.take(batch)
+            if self.spec.mirror is not None:
+                states = reflected(states, self.spec.mirror, rng)
+            felt = noisy(self.scaling_.transform(states.features), self.feature_noise, rng)
+            return self._loss(network(torch.from_numpy(felt)), states.labels)
+
+        descent = Descent(steps, rate, self.batch_size, self.weight_decay)
+        descent.run(network, len(samples), rng, loss)
         self.fits_ += 1
         return self
 
@@ -111,36 +122,6 @@ class MlpPolicy(Memoryless):
             self.hidden,
             torch.Generator().manual_seed(self.seed) if weights else None,
         )
-
-    def _train(
-        self,
-        network: MlpNetwork,
-        samples: Samples,
-        steps: int,
-        rate: float,
-        rng: np.random.Generator,
-    ) -> None:
-        optimiser = torch.optim.AdamW(
-            network.parameters(), rate, weight_decay=self.weight_decay, fused=True
-        )
-        network.train()
-        order = np.empty(0, dtype=np.int64)
-        for step in range(steps):
-            if len(order) == 0:
-                order = rng.permutation(len(samples))
-            batch, order = order[: self.batch_size], order[self.batch_size :]
-            for group in optimiser.param_groups:
-                group["lr"] = rate * (1 - step / steps)
-            states = samples.take(batch)
-            if self.spec.mirror is not None:
-                states = reflected(states, self.spec.mirror, rng)
-            felt = self.scaling_.transform(states.features)
-            felt += self.feature_noise * rng.standard_normal(felt.shape, np.float32)
-            loss = self._loss(network(torch.from_numpy(felt)), states.labels)
-            optimiser.zero_grad()
-            loss.backward()
-            optimiser.step()
-        network.eval()
 
     def _loss(self, outputs: torch.Tensor, labels: NDArray) -> torch.Tensor:
         if self.choices is None:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from torch.nn import functional
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.augmentation import reflected, shifted
+from sheath_manip.policies.augmentation import noisy, reflected, shifted
+from sheath_manip.policies.descent import Descent
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
@@ -100,9 +101,27 @@ class SpatialPolicy(Memoryless):
             steps, rate = self.steps, self.learning_rate
             self.network_ = self._fresh_network()
             self.scaling_.fit(samples.features)
+        network = self.network_
         # Each refit draws its own order of batches.
         rng = np.random.default_rng([self.seed, self.fits_])
-        self._train(self.network_, samples, steps, rate, rng)
+
+        def loss(batch: NDArray[np.int64]) -> torch.Tensor:
+            states = samples.take(batch)
+            if self.spec.mirror is not None:
+                states = reflected(states, self.spec.mirror, rng)
+            images = {
+                name: torch.from_numpy(shifted(states.images[name], self.shift_px, rng))
+                for name in network.cameras
+            }
+            felt = noisy(self.scaling_.transform(states.features), self.feature_noise, rng)
+            # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
+            with torch.autocast("cpu", torch.bfloat16):
+                outputs = network(images, torch.from_numpy(felt), torch.bfloat16)
+            targets = torch.from_numpy(to_unit(self.spec.action, states.labels))
+            return functional.mse_loss(outputs.float(), targets)
+
+        descent = Descent(steps, rate, self.batch_size, self.weight_decay)
+        descent.run(network, len(samples), rng, loss)
         self.fits_ += 1
         return self
 
@@ -116,44 +135,6 @@ class SpatialPolicy(Memoryless):
             self.hidden,
             torch.Generator().manual_seed(self.seed) if weights else None,
         )
-
-    def _train(
-        self,
-        network: SpatialNetwork,
-        samples: Samples,
-        steps: int,
-        rate: float,
-        rng: np.random.Generator,
-    ) -> None:
-        optimiser = torch.optim.AdamW(
-            network.parameters(), rate, weight_decay=self.weight_decay, fused=True
-        )
-        network.train()
-        order = np.empty(0, dtype=np.int64)
-        for step in range(steps):
-            if len(order) == 0:
-                order = rng.permutation(len(samples))
-            batch, order = order[: self.batch_size], order[self.batch_size :]
-            for group in optimiser.param_groups:
-                group["lr"] = rate * (1 - step / steps)
-            states = samples.take(batch)
-            if self.spec.mirror is not None:
-                states = reflected(states, self.spec.mirror, rng)
-            images = {
-                name: torch.from_numpy(shifted(states.images[name], self.shift_px, rng))
-                for name in network.cameras
-            }
-            felt = self.scaling_.transform(states.features)
-            felt += self.feature_noise * rng.standard_normal(felt.shape, np.float32)
-            # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
-            with torch.autocast("cpu", torch.bfloat16):
-                outputs = network(images, torch.from_numpy(felt), torch.bfloat16)
-            targets = torch.from_numpy(to_unit(self.spec.action, states.labels))
-            loss = functional.mse_loss(outputs.float(), targets)
-            optimiser.zero_grad()
-            loss.backward()
-            optimiser.step()
-        network.eval()
 
     def predict(self, observations: Observations) -> Proposal:
         """Regress actions, cut to their bounds.

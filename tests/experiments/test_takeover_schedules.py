@@ -9,7 +9,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments.takeovers.choosing import Rung, at_burden
 from sheath_manip.experiments.takeovers.figures_of_trials import Weighed, found, interval
 from sheath_manip.experiments.takeovers.oracle import last_saving_step
-from sheath_manip.experiments.takeovers.plan import FRESH, TUNING, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import FRESH, TUNING, Quota, TakeoversPlan
 from sheath_manip.experiments.takeovers.schedules import SCHEDULES
 from sheath_manip.experiments.takeovers.trial import Trial, mean_share, mean_takeovers
 from sheath_manip.experiments.takeovers.watched import threshold_at
@@ -137,7 +137,15 @@ def test_an_interval_draws_scenes_whole():
 
 
 def test_a_plan_that_cannot_be_run_is_refused():
-    for settings in ({"levels": (0.1,)}, {"levels": (0.2, 0.1)}, {"failing": 5, "most": 4}):
+    for settings in ({"levels": (0.1,)}, {"levels": (0.2, 0.1)}, {"seeds": ()}):
         with pytest.raises(ParameterError, match="wanted"):
             replace(TakeoversPlan(), **settings)
-    assert TakeoversPlan().quota(FRESH)[0] > TakeoversPlan().quota(TUNING)[0] >= 1
+    with pytest.raises(ParameterError, match="wanted 1 <= failing <= most"):
+        Quota(failing=5, most=4)
+
+
+def test_a_task_has_its_own_quota_and_tuning_a_share_of_it():
+    plan = TakeoversPlan(scenes=Quota(failing=10), scenes_of={"corridor": Quota(failing=20)})
+    assert plan.quota("corridor", FRESH).failing == 20
+    assert plan.quota("another", FRESH).failing == 10
+    assert 1 <= plan.quota("corridor", TUNING).failing < 20

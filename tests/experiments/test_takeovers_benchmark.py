@@ -14,9 +14,9 @@ from rich.console import Console
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.benchmark import run_takeovers
-from sheath_manip.experiments.takeovers.plan import FRESH, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import FRESH, Quota, TakeoversPlan
 from sheath_manip.experiments.takeovers.recalled import RecallingGate
-from sheath_manip.experiments.takeovers.scoring import scores_alone
+from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice, Place, try_gates
 from sheath_manip.experiments.takeovers.watched import Watched, threshold_at
@@ -31,9 +31,8 @@ from tests.toy import STUDY as TOY
 SMALL = TakeoversPlan(
     seeds=(0,),
     rounds=(0, 1),
-    failing=3,
-    succeeding=1,
-    most=12,
+    scenes=Quota(failing=3, succeeding=1, most=12),
+    scenes_of={},
     signals=("default", "precedent"),
     turns_s=(0.3,),
     levels=(-1.0, 0.0, 0.3),
@@ -116,7 +115,7 @@ def test_each_target_has_its_gate_and_its_baselines(whole):
     for target in found["targets"]:
         ways = target["ways"]
         assert next(iter(ways)) == "gate"
-        assert len(ways) == 5
+        assert len(ways) == 4
         scenes = {way["scenes"] for way in ways.values()}
         assert scenes == {sum(min(3, each["failing"]) for each in found["policies"].values())}
     for path in (whole / "results").glob("*.png"):
@@ -149,7 +148,7 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
         )
         assert Trial.of(episode, scene.failing) == trial
         judging: Any = checkpoint.gate()
-        gate = RecallingGate(judging, alone.steps, scores[scene.index])
+        gate = RecallingGate(judging, alone.steps, scores[scene_key(scene)])
         began_late += gate.first is not None and gate.first > 0
     assert began_late > 0
     environment.close()

@@ -16,7 +16,7 @@ from sheath_manip.experiments.takeovers.choosing import (
 from sheath_manip.experiments.takeovers.oracle import try_oracle
 from sheath_manip.experiments.takeovers.plan import FRESH, METHOD, SHARE, TAKEOVERS, TUNING
 from sheath_manip.experiments.takeovers.schedules import SCHEDULES
-from sheath_manip.experiments.takeovers.scoring import fit_and_score
+from sheath_manip.experiments.takeovers.scoring import fit_and_score, scene_key
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice, try_gates, try_schedules
 from sheath_manip.experiments.takeovers.watched import Watched
@@ -135,10 +135,10 @@ class TryBaselines:
             )
             schedules = {
                 f"{target_name(axis, value)}/{name}": {
-                    scene.index: SCHEDULES[name](
+                    scene: SCHEDULES[name](
                         gates[target_name(axis, value)],
                         place,
-                        generator("takeovers", at.name, axis, str(value), name, scene.index),
+                        generator("takeovers", at.name, axis, str(value), name, scene_key(scene)),
                     )
                     for place, scene in enumerate(scenes)
                 }

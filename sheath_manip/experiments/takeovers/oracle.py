@@ -5,6 +5,7 @@ from contextlib import closing
 
 from sheath_manip.experiments.takeovers.alone import Scene
 from sheath_manip.experiments.takeovers.schedules import Turns
+from sheath_manip.experiments.takeovers.stretch import Stretch
 from sheath_manip.experiments.takeovers.trial import Trial
 from sheath_manip.experiments.takeovers.trying import Place
 from sheath_manip.experiments.takeovers.watched import Watched
@@ -46,9 +47,9 @@ def _saved(here: Place, scene: Scene) -> Trial:
     alone = here.alone(scene)
     rate_hz = here.environment.spec.control_rate_hz
     turn_steps = max(1, round(min(here.at.plan.turns_s) * rate_hz))
-    episode, begun, turns = alone, 0, []
+    outcome, begun, turns = alone.outcome, 0, []
     steps: list[Step] = list(alone.steps)
-    while episode.outcome is not Outcome.SUCCESS and len(turns) < MOST_TURNS:
+    while outcome is not Outcome.SUCCESS and len(turns) < MOST_TURNS:
         after = turns[-1][0] + turns[-1][1] if turns else 0
         driven = _Driven(here, alone, steps)
         last = last_saving_step(after, len(steps), driven.saved_from)
@@ -57,23 +58,25 @@ def _saved(here: Place, scene: Scene) -> Trial:
         begun = max(after, last - LEAD_STEPS)
         turns.append((begun, turn_steps))
         episode = driven.goes_on(begun, turns)
+        outcome = episode.outcome
         steps = [*steps[:begun], *episode.steps]
     done = tuple((start, min(count, len(steps) - start)) for start, count in turns)
-    return Trial(alone.info.seed, scene.failing, episode.outcome, len(steps), done)
+    return Trial(alone.info.seed, scene.failing, outcome, len(steps), done)
 
 
 class _Driven:
     """An episode so far, which can be gone on with from each of its steps."""
 
-    def __init__(self, here: Place, alone: Episode, steps: Sequence[Step]) -> None:
+    def __init__(self, here: Place, alone: Stretch, steps: Sequence[Step]) -> None:
         self.here, self.alone, self.steps = here, alone, steps
 
     def saved_from(self, step: int) -> bool:
         """Tell whether the expert succeeds from there."""
         state = self.steps[step].state
-        return self.here.from_state(self.alone, state, AlwaysExpert()).outcome is Outcome.SUCCESS
+        episode = self.here.from_state(self.alone, step, state, AlwaysExpert())
+        return episode.outcome is Outcome.SUCCESS
 
     def goes_on(self, step: int, turns: Turns | list[tuple[int, int]]) -> Episode:
         """Run the rest under these turns."""
         gate = ScheduledTakeovers(turns, step)
-        return self.here.from_state(self.alone, self.steps[step].state, gate)
+        return self.here.from_state(self.alone, step, self.steps[step].state, gate)

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments.study import Study
@@ -15,6 +15,29 @@ TUNING, FRESH = "tuning", "fresh"
 """lots of scenes: gates are chosen on the first, and judged once on the second"""
 TAKEOVERS, SHARE = "takeovers", "share"
 """what is held equal: takeovers an episode, or the expert's share of the steps"""
+
+
+@dataclass(frozen=True)
+class Quota:
+    """How many scenes of a lot gates are tried on, and how many are looked through for them."""
+
+    failing: int = 10
+    """scenes of a lot in which the policy alone does not succeed"""
+    succeeding: int = 2
+    """scenes of a lot in which it does, to see what a gate breaks"""
+    most: int = 100
+    """scenes of a lot on which the policy is tried alone, at most"""
+
+    def __post_init__(self) -> None:
+        if self.failing < 1 or self.most < self.failing:
+            raise ParameterError(
+                f"failing is {self.failing} and most {self.most}; wanted 1 <= failing <= most"
+            )
+
+    def smaller(self, share: float) -> Self:
+        """Return that share of each number, at least one."""
+        numbers = (self.failing, self.succeeding, self.most)
+        return type(self)(*(max(1, round(share * number)) for number in numbers))
 
 
 @dataclass(frozen=True)
@@ -31,12 +54,14 @@ class TakeoversPlan:
     """of training runs"""
     rounds: tuple[int, ...] = (0, 1, 2, 4)
     """after which a policy is watched over: the fewer, the worse it is"""
-    failing: int = 10
-    """scenes of a lot in which the policy alone does not succeed"""
-    succeeding: int = 2
-    """scenes of a lot in which it does, to see what a gate breaks"""
-    most: int = 70
-    """scenes of a lot on which the policy is tried alone, at most"""
+    scenes: Quota = field(default_factory=Quota)
+    """that each policy is tried on"""
+    scenes_of: Mapping[str, Quota] = field(
+        default_factory=lambda: {"driving": Quota(failing=14, most=240)}
+    )
+    """another quota, by task: where policies fail seldom"""
+    stretch_s: Mapping[str, float] = field(default_factory=lambda: {"platformer": 6.0})
+    """length of a scene, by task; of all others it is the whole episode"""
     tuning_share: float = 0.4
     """of those numbers, for the tuning lot"""
     signals: tuple[str, ...] = ("default", "precedent")
@@ -61,18 +86,11 @@ class TakeoversPlan:
             raise ParameterError(f"levels are {self.levels}; wanted two or more, rising")
         if self.levels[-1] >= 1:
             raise ParameterError(f"levels are {self.levels}; wanted each below 1")
-        if self.failing < 1 or self.most < self.failing:
-            raise ParameterError(
-                f"failing is {self.failing} and most {self.most}; wanted 1 <= failing <= most"
-            )
 
-    def quota(self, lot: str) -> tuple[int, int, int]:
-        """Return how many failing and succeeding scenes a lot has, and how many are tried."""
-        counts = (self.failing, self.succeeding, self.most)
-        if lot == FRESH:
-            return counts
-        failing, succeeding, most = (max(1, round(self.tuning_share * each)) for each in counts)
-        return failing, succeeding, most
+    def quota(self, task: str, lot: str) -> Quota:
+        """Return how many scenes of a lot there are."""
+        quota = self.scenes_of.get(task, self.scenes)
+        return quota if lot == FRESH else quota.smaller(self.tuning_share)
 
     def targets(self) -> list[tuple[str, float]]:
         """Return all (axis, value) at which gates are compared."""
@@ -111,9 +129,8 @@ PLANS = {
         learning_of={},
         seeds=(0,),
         rounds=(0,),
-        failing=3,
-        succeeding=1,
-        most=8,
+        scenes=Quota(failing=3, succeeding=1, most=8),
+        scenes_of={},
         signals=("default",),
         turns_s=(0.5,),
         levels=(-0.5, 0.0, 0.1),

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.experiments.gates.remembered import Shared
-from sheath_manip.experiments.takeovers.alone import Alone, alone_episode
+from sheath_manip.experiments.takeovers.alone import Alone, Scene, alone_episode
 from sheath_manip.experiments.takeovers.plan import FRESH, TUNING
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.files.outputs import written_aside
@@ -19,7 +19,8 @@ from sheath_manip.policies.looking import look, look_with_displaced
 from sheath_manip.policies.readings import each_once
 from sheath_manip.protocols import Report, TrainablePolicy
 from sheath_manip.seeding import seed_for
-from sheath_manip.types.samples import visited_from
+from sheath_manip.types import TaskSpec
+from sheath_manip.types.samples import Samples, visited_from
 
 
 def fit_and_score(at: Watched, report: Report) -> None:
@@ -39,9 +40,7 @@ def fit_and_score(at: Watched, report: Report) -> None:
     )
     alone = {
         lot: {
-            str(scene.index): look(
-                policy, visited_from([alone_episode(at, spec, lot, scene.index)]), readers
-            )
+            scene_key(scene): look(policy, _states_of(at, spec, lot, scene), readers)
             for scene in Alone.read(at, lot).scenes
         }
         for lot in (TUNING, FRESH)
@@ -77,7 +76,20 @@ def fit_and_score(at: Watched, report: Report) -> None:
         report(f"{at.study.name} {at.name} gate {name}")
 
 
-def scores_alone(at: Watched, lot: str, signal: str) -> dict[int, NDArray[np.float64]]:
-    """Return a signal's (T,) scores of the policy's steps alone, by the scene's index."""
+def scores_alone(at: Watched, lot: str, signal: str) -> dict[str, NDArray[np.float64]]:
+    """Return a signal's (T,) scores of the policy's steps alone, by `scene_key`."""
     with np.load(at.scores_path(lot, signal), allow_pickle=False) as content:
-        return {int(index): content[index] for index in content.files}
+        return {key: content[key] for key in content.files}
+
+
+def scene_key(scene: Scene) -> str:
+    """Return the name of a scene's scores."""
+    return f"{scene.index}-{scene.first_step}"
+
+
+def _states_of(at: Watched, spec: TaskSpec, lot: str, scene: Scene) -> Samples:
+    """What the policy saw alone on a scene."""
+    states = visited_from([alone_episode(at, spec, lot, scene.index)])
+    most = at.stretch_steps(spec) or len(states)
+    last = min(scene.first_step + most, len(states))
+    return states.take(np.arange(scene.first_step, last))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from sheath_manip.exceptions import StoreError
+from sheath_manip.experiments.takeovers.stretch import Stretch
 from sheath_manip.files.json_files import plain, write_json
 from sheath_manip.metrics import runs_of
 from sheath_manip.types import Episode, Outcome
@@ -32,6 +33,11 @@ class Trial:
         runs = runs_of(episode.columns.intervention)
         turns = tuple((first_step + start, stop - start) for start, stop in runs)
         return cls(episode.info.seed, failing, episode.outcome, first_step + len(episode), turns)
+
+    @classmethod
+    def alone(cls, alone: Stretch, failing: bool) -> Self:
+        """Return what a scene came to in which nobody took over."""
+        return cls(alone.info.seed, failing, alone.outcome, len(alone), ())
 
     @property
     def fails(self) -> bool:

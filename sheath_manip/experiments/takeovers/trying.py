@@ -7,16 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.experiments.takeovers.alone import Alone, Scene, alone_episode
+from sheath_manip.experiments.takeovers.alone import Alone, Scene, alone_on
 from sheath_manip.experiments.takeovers.recalled import Judging, RecallingGate
 from sheath_manip.experiments.takeovers.schedules import Turns
-from sheath_manip.experiments.takeovers.scoring import scores_alone
+from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
+from sheath_manip.experiments.takeovers.stretch import Stretch, StretchEnvironment
 from sheath_manip.experiments.takeovers.trial import Trial
 from sheath_manip.experiments.takeovers.watched import Watched, threshold_at
 from sheath_manip.gates.scheduled import ScheduledTakeovers
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.drivers import PolicyAlone
-from sheath_manip.protocols import Environment, Gate
+from sheath_manip.protocols import Gate
 from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.request import Crew, EpisodeRequest, run_request
 from sheath_manip.types import Episode
@@ -44,7 +45,7 @@ class Place:
 
     at: Watched
     lot: str
-    environment: Environment
+    environment: StretchEnvironment
     checkpoint: Checkpoint
 
     @property
@@ -52,17 +53,20 @@ class Place:
         """Of the lot."""
         return Alone.read(self.at, self.lot).scenes
 
-    def alone(self, scene: Scene) -> Episode:
+    def alone(self, scene: Scene) -> Stretch:
         """Read what the policy alone did there."""
-        return alone_episode(self.at, self.environment.spec, self.lot, scene.index)
+        return alone_on(self.at, self.environment.spec, self.lot, scene)
 
-    def goes_on(self, alone: Episode, first: int, gate: Gate) -> Episode:
-        """Run the rest of the policy's episode from step `first` on, under a gate."""
-        return self.from_state(alone, alone.steps[first].state, gate)
+    def goes_on(self, alone: Stretch, first: int, gate: Gate) -> Episode:
+        """Run the rest of the policy's scene from step `first` on, under a gate."""
+        return self.from_state(alone, first, alone.steps[first].state, gate)
 
-    def from_state(self, alone: Episode, state: NDArray[np.float64], gate: Gate) -> Episode:
-        """Run the rest of an episode of the same scene from a state of it, under a gate."""
+    def from_state(
+        self, alone: Stretch, first: int, state: NDArray[np.float64], gate: Gate
+    ) -> Episode:
+        """Run the rest of the same scene from a state of its step `first`, under a gate."""
         task = self.at.task
+        self.environment.steps_left = None if alone.most is None else alone.most - first
         expert = CachedExpert(task.expert(self.environment))
         request = EpisodeRequest(
             task,
@@ -84,15 +88,15 @@ def try_gates(at: Watched, lot: str, choices: Sequence[GateChoice]) -> Iterator[
         for choice in choices:
             threshold = threshold_at(held_out, choice.level)
             yield [
-                _under_gate(here, scene, alone, choice, threshold, scores[scene.index])
+                _under_gate(here, scene, alone, choice, threshold, scores[scene_key(scene)])
                 for scene, alone in episodes.items()
             ]
 
 
 def try_schedules(
-    at: Watched, lot: str, schedules: Mapping[str, Mapping[int, Turns]]
+    at: Watched, lot: str, schedules: Mapping[str, Mapping[Scene, Turns]]
 ) -> Iterator[tuple[str, list[Trial]]]:
-    """Try schedules by name, each the expert's turns by the scene's index, on all scenes."""
+    """Try schedules by name, each the expert's turns by scene, on all scenes."""
     with closing(at.environment()) as environment:
         here = Place(at, lot, environment, at.checkpoint(environment.spec))
         episodes = {scene: here.alone(scene) for scene in here.scenes}
@@ -100,17 +104,17 @@ def try_schedules(
             yield (
                 name,
                 [
-                    under_schedule(here, scene, alone, turns[scene.index])
+                    under_schedule(here, scene, alone, turns[scene])
                     for scene, alone in episodes.items()
                 ],
             )
 
 
-def under_schedule(here: Place, scene: Scene, alone: Episode, turns: Turns) -> Trial:
+def under_schedule(here: Place, scene: Scene, alone: Stretch, turns: Turns) -> Trial:
     """Try one schedule on one scene."""
     first = min((start for start, _ in turns), default=len(alone))
     if first >= len(alone):
-        return Trial.of(alone, scene.failing)
+        return Trial.alone(alone, scene.failing)
     episode = here.goes_on(alone, first, ScheduledTakeovers(turns, first))
     return Trial.of(episode, scene.failing, first)
 
@@ -118,7 +122,7 @@ def under_schedule(here: Place, scene: Scene, alone: Episode, turns: Turns) -> T
 def _under_gate(
     here: Place,
     scene: Scene,
-    alone: Episode,
+    alone: Stretch,
     choice: GateChoice,
     threshold: float,
     scores: NDArray[np.float64],
@@ -131,5 +135,5 @@ def _under_gate(
     ).gate()
     gate = RecallingGate(judging, alone.steps, scores)
     if gate.first is None:
-        return Trial.of(alone, scene.failing)
+        return Trial.alone(alone, scene.failing)
     return Trial.of(here.goes_on(alone, gate.first, gate), scene.failing, gate.first)

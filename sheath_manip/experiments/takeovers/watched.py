@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.takeovers.plan import METHOD, TakeoversPlan
+from sheath_manip.experiments.takeovers.stretch import StretchEnvironment
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import EXPERT, round_path
-from sheath_manip.protocols import Environment
 from sheath_manip.signals import PRECEDENTS
 from sheath_manip.task import Task
 from sheath_manip.types import TaskSpec
@@ -83,9 +83,15 @@ class Watched:
         """Of what happened under a way of taking over."""
         return self.directory / lot / f"{way}.json"
 
-    def environment(self) -> Environment:
+    def environment(self) -> StretchEnvironment:
         """A new one, of the variant that is learned on."""
-        return self.task.make_for_run(self.learning.schedule.variant, self.seed)
+        variant = self.learning.schedule.variant
+        return StretchEnvironment(self.task.make_for_run(variant, self.seed))
+
+    def stretch_steps(self, spec: TaskSpec) -> int | None:
+        """Return how many steps a scene has; None where it is the whole episode."""
+        length_s = self.plan.stretch_s.get(self.study.name)
+        return None if length_s is None else max(1, round(length_s * spec.control_rate_hz))
 
     def spec(self) -> TaskSpec:
         """The task's."""
