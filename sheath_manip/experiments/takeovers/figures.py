@@ -17,14 +17,9 @@ from sheath_manip.experiments.figures.style import (
     percent_axis,
     round_ticks,
 )
-from sheath_manip.experiments.takeovers.plan import SHARE, TAKEOVERS
+from sheath_manip.experiments.takeovers.plan import BASELINES_OF, SHARE, TAKEOVERS
 from sheath_manip.experiments.takeovers.table import NAMES
 
-DRAWN = {
-    TAKEOVERS: ("gate", "random-blocks", "own-at-random-times", "another-scenes"),
-    SHARE: ("gate", "random-steps", "every-kth-step", "own-at-random-times"),
-}
-"""four at most; the rest is in the table"""
 LIKE = ("sheath", "random-takeover", "dagger", "cloning")
 """methods in whose colours they are drawn"""
 
@@ -45,7 +40,7 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
     scenes = targets[0]["ways"]["gate"]["scenes"]
     # The burden that a person can live with: one call an episode, or the nearest there is to it.
     told = min(targets, key=lambda each: abs(each["value"] - (1.0 if axis == TAKEOVERS else 0.08)))
-    gate, other = (told["ways"][name] for name in DRAWN[axis][:2])
+    gate, other = (told["ways"][name] for name in ("gate", BASELINES_OF[axis][0]))
     burden = gate["burden"]
     asked = (
         f"{burden['takeovers_an_episode']:.2g} takeovers an episode"
@@ -56,12 +51,12 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
         heading(
             figure,
             f"{task}: at {asked} the gate leaves {gate['failed']} of {scenes} scenes failing, "
-            f"{NAMES[DRAWN[axis][1]].strip()} {other['failed']}",
+            f"{NAMES[BASELINES_OF[axis][0]].strip()} {other['failed']}",
             "scenes in which the policies fail alone, fresh ones, each way on the same; bars are "
             "95 % intervals by scene; gate and threshold were chosen on other scenes",
         )
         axes = figure.subplots()
-        for name, look in zip(DRAWN[axis], looks(LIKE).values(), strict=True):
+        for name, look in zip(("gate", *BASELINES_OF[axis]), looks(LIKE).values(), strict=False):
             _curve(axes, axis, targets, name, look)
         oracle = found["oracle"]
         if oracle is not None and oracle["scenes"]:

@@ -14,7 +14,7 @@ from sheath_manip.experiments.takeovers.choosing import (
     write_choices,
 )
 from sheath_manip.experiments.takeovers.oracle import try_oracle
-from sheath_manip.experiments.takeovers.plan import FRESH, METHOD, SHARE, TAKEOVERS, TUNING
+from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, METHOD, TUNING
 from sheath_manip.experiments.takeovers.schedules import SCHEDULES
 from sheath_manip.experiments.takeovers.scoring import fit_and_score, scene_key
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_trials
@@ -26,11 +26,6 @@ from sheath_manip.seeding import generator
 CHOICES = "choices.json"
 GATES, BASELINES, ORACLE = "gates", "baselines", "oracle"
 """files of trials on fresh scenes"""
-BASELINES_OF = {
-    TAKEOVERS: ("random-blocks", "own-at-random-times", "another-scenes"),
-    SHARE: ("random-steps", "every-kth-step", "own-at-random-times"),
-}
-"""what a gate is held against, by what is held equal"""
 
 
 @dataclass(frozen=True)

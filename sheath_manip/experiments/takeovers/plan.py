@@ -15,13 +15,18 @@ TUNING, FRESH = "tuning", "fresh"
 """lots of scenes: gates are chosen on the first, and judged once on the second"""
 TAKEOVERS, SHARE = "takeovers", "share"
 """what is held equal: takeovers an episode, or the expert's share of the steps"""
+BASELINES_OF = {
+    TAKEOVERS: ("random-blocks", "own-at-random-times", "another-scenes"),
+    SHARE: ("random-steps", "every-kth-step"),
+}
+"""what a gate is held against, by what is held equal"""
 
 
 @dataclass(frozen=True)
 class Quota:
     """How many scenes of a lot gates are tried on, and how many are looked through for them."""
 
-    failing: int = 10
+    failing: int = 9
     """scenes of a lot in which the policy alone does not succeed"""
     succeeding: int = 2
     """scenes of a lot in which it does, to see what a gate breaks"""
@@ -69,7 +74,7 @@ class TakeoversPlan:
     name"""
     turns_s: tuple[float, ...] = (0.5, 1.0)
     """shortest turns of the expert that are tried"""
-    levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.01, 0.04, 0.12)
+    levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.01, 0.03, 0.08)
     """thresholds that are tried, see `watched.threshold_at`"""
     takeovers: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
     """an episode that fails alone, at which gates and baselines are compared"""

@@ -21,12 +21,11 @@ from sheath_manip.experiments.takeovers.figures_of_trials import (
 )
 from sheath_manip.experiments.takeovers.jobs import (
     BASELINES,
-    BASELINES_OF,
     CHOICES,
     GATES,
     ORACLE,
 )
-from sheath_manip.experiments.takeovers.plan import FRESH, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, TakeoversPlan
 from sheath_manip.experiments.takeovers.trial import read_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice
 from sheath_manip.experiments.takeovers.watched import Watched
