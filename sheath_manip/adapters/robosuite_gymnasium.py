@@ -42,6 +42,7 @@ class RobosuiteGymnasium(gymnasium.Env):
     def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode."""
         super().reset(seed=seed, options=options)
+        self._draw_here()
         if seed is None:
             return self._taken(self.inner.reset()), {}
         # It draws from numpy's global generator or from its own, by its version.
@@ -55,6 +56,7 @@ class RobosuiteGymnasium(gymnasium.Env):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Run one control step; its only end is the horizon."""
+        self._draw_here()
         seen, reward, done, info = self.inner.step(action)
         succeeded = bool(self.inner._check_success())
         return self._taken(seen), float(reward), False, bool(done), {**info, "success": succeeded}
@@ -71,6 +73,7 @@ class RobosuiteGymnasium(gymnasium.Env):
 
     def recall(self, memory: NDArray[np.float64]) -> None:
         """Take both back; images are looked at anew."""
+        self._draw_here()
         # Also those of which the loop below knows nothing, which are images.
         self.inner._obs_cache = {}
         self.inner._update_observables(force=True)
@@ -82,7 +85,18 @@ class RobosuiteGymnasium(gymnasium.Env):
             each._current_observed_value = seen.reshape(np.shape(each.obs))
             each._time_since_last_sample, each._sampled = 0.0, False
 
+    def _draw_here(self) -> None:
+        """Have OpenGL draw for this environment.
+
+        robosuite says so once. Where another one was made or closed since, pictures would be of
+        neither, and no error.
+        """
+        drawing = getattr(self.inner.sim, "_render_context_offscreen", None)
+        if drawing is not None:
+            drawing.gl_ctx.make_current()
+
     def _get_obs(self) -> dict[str, NDArray]:
+        self._draw_here()
         return self._taken(self.inner._get_observations())
 
     @property

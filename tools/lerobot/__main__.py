@@ -8,21 +8,16 @@ bar is missed.
 """
 
 import argparse
-import logging
-import os
 import sys
-import time
 from collections.abc import Sequence
 from dataclasses import asdict
-from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 
-from sheath_manip.dataset.extras import needs
 from sheath_manip.exceptions import SheathError
 from sheath_manip.files.json_files import plain, write_json
 from tools.lerobot.bars import bars
 from tools.lerobot.plan import QUICK, Plan
+from tools.lerobot.readiness import get_ready, timed_say, versions
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,28 +48,14 @@ def run(plan: Plan, folder: Path, path: Path) -> dict[str, bool]:
 
     Raises SetupError where LeRobot is not there, and ParameterError for a folder of another plan.
     """
-    # Nothing is to be fetched, and no bar drawn for each episode that is written.
-    os.environ |= {"HF_HUB_OFFLINE": "1", "HF_DATASETS_DISABLE_PROGRESS_BARS": "1"}
-    with needs("lerobot", "lerobot"):
-        import_module("lerobot")
-        import_module("tools.readers.declare_torchvision")
-    import torch
-
+    get_ready()
     from tools.lerobot.rounds import Run
 
-    torch.set_num_threads(1)
-    logging.disable(logging.INFO)
-    begin = time.perf_counter()
-
-    def say(line: str) -> None:
-        print(f"[{time.perf_counter() - begin:6.0f} s] {line}", flush=True)
-
     path.parent.mkdir(parents=True, exist_ok=True)
-    versions = {name: version(name) for name in ("lerobot", "torch", "mujoco")}
     held: dict[str, bool] = {}
-    for results in Run(plan, folder, say).stages():
+    for results in Run(plan, folder, timed_say()).stages():
         held = bars(results)
-        content = {"versions": versions, "plan": asdict(plan), **results, "bars": held}
+        content = {"versions": versions(), "plan": asdict(plan), **results, "bars": held}
         write_json(path, plain(content))
     return held
 

@@ -1,7 +1,7 @@
 """The gate around LeRobot's policy, and who judged what."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,15 +25,22 @@ CONFIG = GateConfig(
 )
 
 
+OWN_LABELS = replace(CONFIG, labels="own")
+"""learned from is what the expert itself did"""
+
+
 def fitted_gate(
-    policy: PredictingPolicy, learned: Sequence[Episode], held_out: Sequence[Episode]
+    policy: PredictingPolicy,
+    learned: Sequence[Episode],
+    held_out: Sequence[Episode],
+    config: GateConfig = CONFIG,
 ) -> FittedGate:
     """Return a gate of features alone: nothing is asked of LeRobot's network but its actions."""
     signal = NearPrecedentSignal(ScaledFeatures())
     looks = looks_of(
         policy, signal, samples_from(learned), [samples_from([episode]) for episode in held_out]
     )
-    return fit_to_looks(policy, signal, looks, CONFIG, sources=Sources())
+    return fit_to_looks(policy, signal, looks, config, sources=Sources())
 
 
 def false_alarms(gate: FittedGate, fresh: Sequence[Episode]) -> float:

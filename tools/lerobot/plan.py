@@ -3,9 +3,10 @@
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.files.json_files import write_json
+from sheath_manip.files.json_files import plain, write_json
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,12 @@ QUICK = Plan(
 )
 
 
-def claim(folder: Path, plan: Plan) -> None:
-    """Make the folder this plan's; raises ParameterError where it is another one's."""
+def claim(folder: Path, plan: Any) -> None:
+    """Make the folder that of `plan`, a dataclass; ParameterError where it is another plan's."""
     path = folder / "plan.json"
+    wanted = plain(asdict(plan))
     if not path.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        write_json(path, asdict(plan))
-    elif json.loads(path.read_text()) != asdict(plan):
+        write_json(path, wanted)
+    elif json.loads(path.read_text()) != wanted:
         raise ParameterError(f"{folder} holds the run of another plan; wanted an empty folder")

@@ -45,13 +45,12 @@ class Scenes:
         return [self.run(info, AlwaysPolicy(), policy) for info in infos]
 
     def record(
-        self, store: EpisodeStore, policy: Policy, gate: Gate, method: str, number: int, count: int
+        self, store: EpisodeStore, policy: Policy, gate: Gate, method: str, number: int, index: int
     ) -> None:
-        """Run a round's episodes, but those that `store` has; all methods meet the same scenes."""
-        for index in range(count):
-            info = self.info(Purpose.LEARNING, method, number, index)
-            if not store.has(info):
-                store.append(self.run(info, gate, policy))
+        """Run a round's episode, unless `store` has it; all methods meet the same scenes."""
+        info = self.info(Purpose.LEARNING, method, number, index)
+        if not store.has(info):
+            store.append(self.run(info, gate, policy))
 
     def info(self, purpose: Purpose, method: str, number: int, index: int) -> EpisodeInfo:
         """Return where an episode comes from."""

@@ -22,6 +22,7 @@ from sheath_manip.rollout.executing import Executing
 STUDIES = {
     "fetch": "tools.outside.fetch_study:STUDY",
     "lift": "tools.outside.lift_study:STUDY",
+    "lift-cameras": "tools.outside.lift_cameras_study:STUDY",
 }
 
 
@@ -30,7 +31,7 @@ class Options:
     """Say what to run."""
 
     study: tyro.conf.Positional[str]
-    """fetch or lift"""
+    """fetch, lift or lift-cameras"""
     runs: Path
     """directory for what is recorded and learned"""
     results: Path

@@ -1,0 +1,79 @@
+"""Pictures of robosuite are of the environment that is asked: on a stand-in, without robosuite."""
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sheath_manip.adapters.robosuite_gymnasium import RobosuiteGymnasium
+
+
+class Screen:
+    """Stands in for OpenGL: what is drawn is of the context that is current."""
+
+    current: object = None
+
+
+class Lift:
+    """Stands in for robosuite's environment, whose pictures have its own shade of grey."""
+
+    control_timestep, horizon = 0.05, 10
+    action_spec = (-np.ones(1), np.ones(1))
+    robots = ()
+
+    def __init__(self, screen: Screen, shade: int) -> None:
+        self.screen, self.shade = screen, shade
+        self.rng = np.random.default_rng(0)
+        self._observables = {}
+        context = SimpleNamespace(make_current=lambda: setattr(screen, "current", self))
+        drawing = SimpleNamespace(gl_ctx=context)
+        self.sim = SimpleNamespace(_render_context_offscreen=drawing)
+        context.make_current()
+
+    def observation_spec(self):
+        return self.reset()
+
+    def reset(self):
+        shade = getattr(self.screen.current, "shade", 0)
+        return {"front_image": np.full((2, 2, 3), shade, np.uint8)}
+
+    def step(self, _):
+        return self.reset(), 0.0, False, {}
+
+    def _get_observations(self):
+        return self.reset()
+
+    def _update_observables(self, force):
+        assert force
+
+    def _check_success(self):
+        return False
+
+
+@pytest.mark.parametrize(
+    "look",
+    [
+        lambda env: env.reset(seed=1)[0],
+        lambda env: env.step(np.zeros(1))[0],
+        lambda env: (env.recall(np.zeros(0)), env._get_obs())[1],
+    ],
+    ids=["reset", "step", "restored"],
+)
+def test_another_environment_made_and_closed_does_not_change_the_pictures(look, monkeypatch):
+    macros = SimpleNamespace(IMAGE_CONVENTION="opengl")
+    monkeypatch.setitem(sys.modules, "robosuite", SimpleNamespace(macros=macros))
+    screen = Screen()
+    first, second = (RobosuiteGymnasium(Lift(screen, shade)) for shade in (50, 200))
+    assert look(first)["front_image"].max() == 50
+    assert look(second)["front_image"].max() == 200
+    screen.current = None
+    assert look(first)["front_image"].max() == 50
+
+
+def test_without_a_camera_nothing_is_drawn(monkeypatch):
+    macros = SimpleNamespace(IMAGE_CONVENTION="opengl")
+    monkeypatch.setitem(sys.modules, "robosuite", SimpleNamespace(macros=macros))
+    inner = Lift(Screen(), 50)
+    inner.sim._render_context_offscreen = None
+    RobosuiteGymnasium(inner).step(np.zeros(1))
