@@ -57,7 +57,7 @@ class TestOpening:
     @pytest.mark.parametrize(
         ("marker", "message"),
         [
-            ('{"format": "sheath-store", "schema": 2}', "schema 2, wanted 1"),
+            ('{"format": "sheath-store", "schema": 3}', "schema 3, wanted 1 or 2"),
             ('{"format": "other"}', "another format"),
             ("[]", "another format"),
             ("{", "does not decode"),

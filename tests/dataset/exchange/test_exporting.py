@@ -7,6 +7,7 @@ from sheath_manip.dataset.exchange.exporting import export
 from sheath_manip.dataset.exchange.selection import Selection
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SheathError, StoreError
+from tests.dataset.folders import unpacked
 from tests.episodes import INFO, episode_of
 
 TARGETS = {
@@ -46,7 +47,7 @@ def test_what_is_there_is_kept(two, tmp_path: Path, form, target) -> None:
 
 @pytest.mark.parametrize(("form", "target"), CASES)
 def test_a_damaged_episode_leaves_nothing(two, tmp_path: Path, form, target) -> None:
-    (two.path / two.names()[1] / "executed" / "c.0.0").unlink()
+    (unpacked(two, two.names()[1]) / "executed" / "c.0.0").unlink()
     with pytest.raises(StoreError, match=r"executed/c.0.0 is missing"):
         export(two, tmp_path / "out" / target, form, Selection())
     assert not (tmp_path / "out" / target).exists()
