@@ -27,7 +27,10 @@ def noisy(
     features: NDArray[np.float32], deviation: float, rng: np.random.Generator
 ) -> NDArray[np.float32]:
     """(n, f) features, each with normal noise of that standard deviation."""
-    return features + deviation * rng.standard_normal(features.shape, np.float32)
+    noise = rng.standard_normal(features.shape, np.float32)
+    noise *= deviation
+    noise += features
+    return noise
 
 
 def reflected(samples: Samples, mirror: Mirror, rng: np.random.Generator) -> Samples:

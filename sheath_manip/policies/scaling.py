@@ -103,7 +103,8 @@ class Whitening:
 
     def transform(self, X: NDArray) -> NDArray[np.float32]:
         """(n, d) whitened vectors."""
-        return (np.asarray(X, np.float32) - self.standardisation.mean_) @ self._product
+        centred = np.asarray(X, np.float32) - self.standardisation.mean_
+        return np.asarray(centred @ self._product, np.float32)
 
     def _take(self, matrix: NDArray) -> Self:
         """Whiten what is standardised by a (d, k) matrix."""

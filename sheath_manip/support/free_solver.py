@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import ssymv
+from scipy.linalg.blas import ssymv  # pyright: ignore[reportAttributeAccessIssue]
 
 from sheath_manip.support.gaussian import LARGEST_SQUARE, row_factor
 
@@ -39,7 +39,7 @@ def solve_free(
     held, 2 n² bytes.
     """
     alike, first, which = _equal(points, signs)
-    together = np.bincount(which, most)
+    together = np.asarray(np.bincount(which, most), np.float64)
     solved = _solve_apart(points[first], c, together, signs[first])
     if solved is None:
         return None

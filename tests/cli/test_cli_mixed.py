@@ -9,6 +9,7 @@ import pytest
 
 from sheath_manip.cli.entry import run_command
 from sheath_manip.cli.session import Catalog
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.types import Action, ActionSpec, Observation, Purpose, Transition
 from tests.episodes import INFO, episode_of
@@ -80,7 +81,7 @@ def mixed(made, tmp_path) -> Callable[[Callable[[], Corridor]], Path]:
         assert collect(make, other) == 0
         shutil.copytree(made / "store", store)
         name = EpisodeStore(other).names()[-1]
-        shutil.copytree(other / name, store / name)
+        shutil.copy(archive_path(other, name), archive_path(store, name))
         return store
 
     return mix

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sheath_manip.cli.entry import OF_A_STORE, OF_A_TASK, run_task_command
+from sheath_manip.dataset.places import archive_path
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.gates.constant import AlwaysExpert
 from sheath_manip.learning.checkpoint import load_checkpoint
@@ -33,14 +34,14 @@ def test_tasks_lists_tasks_and_all_names(sheath):
 def test_collect_records_and_resumes(sheath, tmp_path):
     store = tmp_path / "store"
     assert sheath("collect", "corridor", "--store", store, "--episodes", 2)[0] == 0
-    first = {name: (store / name).stat().st_ino for name in EpisodeStore(store).names()}
+    first = {name: archive_path(store, name).stat().st_ino for name in EpisodeStore(store).names()}
     code, out, _ = sheath("collect", "corridor", "--store", store, "--episodes", 3)
     assert code == 0
     assert "3 succeeded, 0 failed, 0 stuck; 36 steps" in out
     assert "2 episodes of them from before" in out
     summaries = EpisodeStore(store).infos()
     assert len(summaries) == 3
-    assert {name: (store / name).stat().st_ino for name in first} == first
+    assert {name: archive_path(store, name).stat().st_ino for name in first} == first
     seeds = {scene_seed(Purpose.DEMONSTRATION, 0, 0, index) for index in range(3)}
     assert {summary.info.seed for summary in summaries} == seeds
     assert {summary.queries for summary in summaries} == {12}

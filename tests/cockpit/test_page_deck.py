@@ -45,7 +45,7 @@ def cockpit() -> Cockpit:
 def opened(cockpit) -> Iterator[Page]:
     with Dashboard(Corridor().spec, port=0, cockpit=cockpit) as served, chromium_page() as page:
         served.on_start(Corridor(), INFO)
-        page.set_viewport_size(PHONE)
+        page.set_viewport_size({"width": PHONE["width"], "height": PHONE["height"]})
         page.add_init_script(FAKES)
         open_dashboard(page, served.address)
         page.wait_for_function("window.sheathOperator?.state.operated")

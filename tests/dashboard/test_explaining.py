@@ -55,7 +55,7 @@ def moment(
 def precedents(labels: NDArray, proposed: NDArray) -> Precedents:
     count = len(labels)
     return Precedents(
-        np.arange(count), np.linspace(0.1, 1, count), np.float32(labels), proposed, 5 * count
+        np.arange(count), np.linspace(0.1, 1, count), labels.astype(np.float32), proposed, 5 * count
     )
 
 
@@ -121,7 +121,7 @@ def test_actions_in_words() -> None:
         choices=np.array([[0, 0], [1, 1]], np.float32),
         choice_words=(),
     )
-    assert [wish(buttons, each) for each in ([0, 0], [1, 1])] == [
+    assert [wish(buttons, np.array(each, np.float32)) for each in ([0, 0], [1, 1])] == [
         "press nothing",
         "press right and jump",
     ]
@@ -222,7 +222,10 @@ def test_the_explainer_works_on_its_own_thread_and_begins_again_after_its_end() 
             return found is not None and len(found.ghosts) == 1
 
         assert eventually(is_done)
-        assert explainer.wish(asked).ghosts[0].way_m[0, 0] == 1.0
+        found = explainer.wish(asked)
+        assert found is not None
+        assert found.ghosts[0].way_m[0, 0] == 1.0
+        assert explainer.latest is not None
         assert "not known here" in explainer.latest.explanation.lacks
         assert explainer.wish(None) is None
         explainer.close()
@@ -238,5 +241,7 @@ def test_without_a_state_no_environment_is_made() -> None:
     info = EpisodeInfo("yard", 1, Purpose.LEARNING, 10.0)
     asked = Wish((0,), info, moment(LEFT, ("support", 0.01)), None)
     assert eventually(lambda: explainer.wish(asked) is not None)
-    assert explainer.wish(asked).ghosts == ()
+    found = explainer.wish(asked)
+    assert found is not None
+    assert found.ghosts == ()
     explainer.close()

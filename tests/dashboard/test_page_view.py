@@ -205,6 +205,7 @@ def test_clicks_and_keys_move_in_time(
     page.keyboard.press(" ")
     wait_until(lambda: not player.now.playing, "standing again", page)
     page.keyboard.press("Home")
+    assert player.now.film is not None
     starts = [start for start, _ in player.now.film.trace.so_far().turns]
     page.keyboard.press("ArrowDown")
     at(next(each for each in starts if each > 0), "the next intervention")

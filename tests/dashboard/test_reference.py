@@ -27,7 +27,7 @@ def reference_of(signal: str) -> GateReference:
 def test_a_training_state_is_most_like_itself(signal: str) -> None:
     reference, states = reference_of(signal), training()
     place = 7
-    proposed = np.float32(states.labels[place])
+    proposed = states.labels[place].astype(np.float32)
     found = reference.precedents(observation_of(states, place), proposed)
     assert found is not None
     assert found.distances[0] < 1e-3
@@ -42,7 +42,7 @@ def test_a_training_state_is_most_like_itself(signal: str) -> None:
 
 def test_what_cannot_be_shown_is_said() -> None:
     reference, states = reference_of("joined"), training()
-    observation, proposed = observation_of(states, 0), np.float32(states.labels[0])
+    observation, proposed = observation_of(states, 0), states.labels[0].astype(np.float32)
     found = reference.precedents(observation, proposed)
     assert found is not None
     others = replace(reference, states=states.take(np.arange(9)))

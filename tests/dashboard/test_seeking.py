@@ -42,7 +42,7 @@ def test_a_message_moves_the_target() -> None:
     for raw in ('{"step": 3}', '{"nudge": -1}', '{"key": "stop"}', '{"note": "a"}', "{}"):
         said = _said(raw)
         assert isinstance(said, SeekMessage)
-        _follow(Target(), said)
+        _follow(Target(), said)  # pyright: ignore[reportArgumentType]
     assert heard == [("look_at", 3), ("nudge", -1), ("press", "stop"), ("note", "a")]
 
 

@@ -41,7 +41,8 @@ def test_what_is_changed_in_memory_stays_there(tmp_path: Path) -> None:
 
 def test_images_are_not_in_memory(tmp_path: Path) -> None:
     images = np.zeros((64, 256, 256, 3), np.uint8)
-    part = Samples({"front": images}, *(np.zeros((64, 1), np.float32),) * 2, np.zeros(64, np.int64))
+    few = np.zeros((64, 1), np.float32)
+    part = Samples({"front": images}, few, few, np.zeros(64, np.int64))
     growing, before = AggregatedSamples(tmp_path), anonymous_bytes()
     for _ in range(6):
         growing.add(part)

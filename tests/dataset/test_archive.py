@@ -6,6 +6,7 @@ import struct
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,7 +86,7 @@ def test_one_that_was_replaced_is_read_anew(archive: Path) -> None:
     assert opened.content("zarr.json", 9) == b"new"
 
 
-def zipped(*entries: tuple[str, bytes], **options: int) -> bytes:
+def zipped(*entries: tuple[str, bytes], **options: Any) -> bytes:
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", **options) as opened:
         for name, content in entries:

@@ -198,4 +198,5 @@ def test_viewers_know_where_the_policys_cameras_are():
     assert np.rad2deg(front.fov_rad) == pytest.approx(45)
     # Towards the robot and down.
     assert upwards(front.wxyz) == pytest.approx([-0.819, 0, -0.573], abs=1e-3)
+    assert pose.tool_m is not None
     assert np.linalg.norm(cameras["wrist"].position_m - pose.tool_m) < 0.3

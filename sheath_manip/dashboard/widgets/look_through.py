@@ -9,7 +9,7 @@ from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.types import CameraPose
 
-FREE = "free"
+FREE: str = "free"
 _View = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]
 """position, look-at and up of a browser's view, and its field of view"""
 
@@ -26,7 +26,7 @@ class LookThrough:
         self._following = following
         self._before: dict[int, _View] = {}
         """of each browser, while it looks through a camera"""
-        self.choice = context.viser.gui.add_dropdown(
+        self.choice: viser.GuiDropdownHandle[str] = context.viser.gui.add_dropdown(
             "View", (FREE,), hint="look through a camera of the policy", visible=False
         )
 
