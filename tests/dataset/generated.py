@@ -78,6 +78,7 @@ def episodes(draw: st.DrawFn) -> Episode:
         any_float,
         any_float,
         st.lists(breakdowns, max_size=2).map(tuple),
+        st.floats(0, 1e6),
         signals,
     )
     step = st.builds(
