@@ -286,12 +286,14 @@ class EpisodeStore(EpisodeReader):
 
     def _place(self, name: str) -> Place:
         """Where the episode lies; raises StoreError where there is none."""
-        if self._last is None or self._last[0] != name or not os.path.lexists(self._last[1].path):
+        # Taken once: another thread may be reading another episode.
+        last = self._last
+        if last is None or last[0] != name or not os.path.lexists(last[1].path):
             place = place_of(self.path, name)
             if place is None:
                 raise no_such_episode(self.address, name)
-            self._last = name, place
-        return self._last[1]
+            last = self._last = name, place
+        return last[1]
 
     def entry_faults(self) -> list[Fault]:
         """The leftovers, and what does not belong into the directory."""

@@ -66,7 +66,6 @@ def test_help_of_a_task_has_its_plans_values(sheath, monkeypatch):
     assert "expert episodes before round 1 (default: 10)" in out
 
 
-
 def test_another_policy_does_not_get_the_settings_of_the_plans():
     plan = LearningPlan(policy=PolicyConfig("cnn", {"steps": 4}))
     assert asked_policy(PolicyConfig("hog-svm", {"steps": 4}), plan) == PolicyConfig("hog-svm")

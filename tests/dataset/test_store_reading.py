@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -114,6 +115,21 @@ class TestSignals:
         assert "signals" not in zarr.open_group(zipped(store, name), mode="r")
         assert store.read(name).steps[0].decision.signals == ()
         assert check(store) == []
+
+
+def test_threads_that_read_different_episodes_get_their_own(store: EpisodeStore) -> None:
+    names = [store.append(tiny(replace(INFO, index=index))) for index in range(4)]
+    switching_s = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+
+    def told(name: str) -> bool:
+        return all(episode_name(store.header(name).info) == name for _ in range(100))
+
+    try:
+        with ThreadPoolExecutor(len(names)) as threads:
+            assert all(threads.map(told, names))
+    finally:
+        sys.setswitchinterval(switching_s)
 
 
 def zipped(store: EpisodeStore, name: str) -> ZipStore:
