@@ -16,41 +16,32 @@ import itertools
 import multiprocessing
 import os
 import resource
-import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.svm import OneClassSVM
 from threadpoolctl import threadpool_limits
 
-from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.drivers import ExpertAlone
-from sheath_manip.learning.run import LearningRun
-from sheath_manip.protocols import Gate
 from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.support.one_class_svm import OneClassSupport
-from sheath_manip.tasks.table import STUDIES, TASKS
-from sheath_manip.types import EpisodeInfo, Observation, Purpose
+from sheath_manip.tasks.table import TASKS
+from sheath_manip.types import EpisodeInfo, Purpose
 from tools.bench import Clock, Line, at_least, at_most, medians, run_bench, spent_s
+from tools.judged_lines import judged_lines
 
 NU = 0.1
 DRAFT_BANDWIDTH = 0.01
 SCORE_DIMENSIONS, FIT_DIMENSIONS, MANIFOLD_DIMENSIONS = 128, 64, 6
 # Scores are float32's: within this of the boundary, in units of the sum of duals, a sign is noise.
 BAND = 1e-6
-TAUGHT = {"driving": {"epochs": 1}, "grasp-clutter": {"steps": 20}}
-"""by task, how long its policy is trained: what a look costs does not depend on it"""
-JUDGED_STATES = 50
-"""looked at and judged in a turn"""
 
 
 @dataclass(frozen=True)
@@ -271,61 +262,14 @@ def expert_states(name: str, count: int) -> NDArray[np.float64]:
     return np.stack(states[:count]).astype(np.float64)
 
 
-def judged_lines(sizes: Sizes) -> dict[str, Line]:
-    """One step's look and judgement against the look alone, by task."""
-    lines = {}
-    for name in TAUGHT:
-        with tempfile.TemporaryDirectory() as folder:
-            checkpoint, states, seen = fitted(name, Path(folder), sizes)
-        alone, judged = medians(
-            partial(act, checkpoint, seen),
-            partial(act_and_score, checkpoint, checkpoint.gate(), seen),
-            sizes.score_rounds,
-        )
-        signal = checkpoint.fitted.config.signal
-        how = (
-            f"{signal}, {states} training states, {1e3 * judged / len(seen):.2f} ms of CPU a step "
-            f"against {1e3 * alone / len(seen):.2f}, in turns of {len(seen)} steps"
-        )
-        lines[f"act and score, {name}"] = at_most(judged / alone, 1.6, "times a bare act", how)
-    return lines
-
-
-def act(checkpoint: Checkpoint, seen: Sequence[Observation]) -> None:
-    """Look at each state."""
-    for observation in seen:
-        checkpoint.policy.propose(observation.alone)
-
-
-def act_and_score(checkpoint: Checkpoint, gate: Gate, seen: Sequence[Observation]) -> None:
-    """Look at each state, and judge what was proposed there."""
-    for observation in seen:
-        gate.decide(observation, checkpoint.policy.propose(observation.alone))
-
-
-def fitted(name: str, folder: Path, sizes: Sizes) -> tuple[Checkpoint, int, list[Observation]]:
-    """Policy and gate of the task's plan `full`, to how many states, and new ones to judge."""
-    full = STUDIES[name].plan("full")
-    plan = full.changed(
-        policy={"settings": {**full.policy.settings, **TAUGHT[name]}},
-        schedule={
-            "demonstrations": sizes.demonstrations,
-            "calibration": sizes.held_out,
-            "false_alarm_episodes": 1,
-        },
-    )
-    store = EpisodeStore.create(folder / "store")
-    with SerialExecutor() as executor:
-        start = LearningRun(TASKS[name], plan, 0, folder, store, executor).start()
-    steps = [step for each in store.episodes(Purpose.CALIBRATION) for step in each.steps]
-    chosen = np.linspace(0, len(steps) - 1, JUDGED_STATES).astype(int)
-    seen = [steps[place].observation for place in chosen]
-    return start.checkpoint, len(start.demonstrations), seen
+def step_lines(sizes: Sizes) -> dict[str, Line]:
+    """A step under a gate against a step without."""
+    return judged_lines(sizes.score_rounds, sizes.demonstrations, sizes.held_out)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print a line a number, write the file."""
-    measures = score_lines, fit_lines, large_lines, draft_lines, judged_lines
+    measures = score_lines, fit_lines, large_lines, draft_lines, step_lines
     run_bench("gate", __doc__, measures, Sizes(), QUICK, arguments)
 
 

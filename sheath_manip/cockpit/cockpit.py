@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.cockpit import transitions
 from sheath_manip.cockpit.between import Between
-from sheath_manip.cockpit.lease import LOST_AFTER_S, Lease
+from sheath_manip.cockpit.lease import LOST_AFTER_S, Axes, Lease
 from sheath_manip.cockpit.orders import Order
 from sheath_manip.cockpit.question import Question
 from sheath_manip.cockpit.standing import Ending, Now, Standing
@@ -22,7 +22,6 @@ from sheath_manip.types.operator_input import EMPTY, Binding, OperatorInput, Six
 
 _GLANCE_S = 0.02
 """between two looks at how things stand while the run stands still"""
-_MARKS = {Ending.SUCCESS: Outcome.SUCCESS, Ending.FAILURE: Outcome.FAILURE}
 
 __all__ = ["Cockpit", "Ending", "Now", "State"]
 
@@ -65,7 +64,7 @@ class Cockpit:
         self._standing = Standing(operated=bool(guide))
         self.between = Between(clock)
         """what is done while no episode runs"""
-        self._axes: tuple[float, SixAxes] | None = None
+        self._axes: Axes | None = None
         self._acting = State(operated=bool(guide), fallback=fallback)
         """the loop's part of what the page shows: turn, asking, left_s, may_go_on"""
         self.input = EMPTY
@@ -148,7 +147,7 @@ class Cockpit:
 
     def turn_axes(self, axes: SixAxes) -> None:
         """Take what a device says that is plugged in here; it drives where a station does."""
-        self._axes = (self._clock(), axes)
+        self._axes = Axes(self._clock(), axes)
 
     def silence(self, station: str) -> None:
         """Make nothing that `station` said count any longer.
@@ -209,8 +208,7 @@ class Cockpit:
     @property
     def mark(self) -> Outcome | None:
         """What the person said the episode is, if anything."""
-        ending = self.ending
-        return None if ending is None else _MARKS.get(ending)
+        return None if self.ending is None else self.ending.outcome
 
     @property
     def speed(self) -> float:
@@ -238,7 +236,8 @@ class Cockpit:
             self._standing = standing
         if news:
             self.on_change()
-        self.input = (operator_input := self._everything(standing.lease, now_s)) or EMPTY
+        operator_input = standing.lease.everything(now_s, self._axes)
+        self.input = operator_input or EMPTY
         return Now(
             standing.stopped,
             standing.taken,
@@ -279,14 +278,6 @@ class Cockpit:
 
     def _seen(self) -> Standing:
         return transitions.aged(self._standing, self._clock())
-
-    def _everything(self, lease: Lease, now_s: float) -> OperatorInput | None:
-        if lease.input is None or not lease.alive(now_s):
-            return None
-        # Read once: another thread may put another one there.
-        latest = self._axes
-        axes = latest[1] if latest is not None and now_s - latest[0] <= LOST_AFTER_S else None
-        return replace(lease.input, goal=lease.goal, axes=axes)
 
     def _by_program(self, order: Order) -> None:
         self._follow(lambda now: transitions.follow(now, order, None, self._clock()))

@@ -6,13 +6,22 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.types.operator_input import EMPTY, OperatorInput
+from sheath_manip.types.operator_input import EMPTY, OperatorInput, SixAxes
 
 LOST_AFTER_S = 0.4
 """without a heartbeat the operator's input counts as empty; with a control period of .1 s on top
 the robot holds within half a second"""
 FREE_AFTER_S = 3.0
 """without a heartbeat another one may take over: a page that reloads gets its own turn back"""
+
+
+@dataclass(frozen=True, eq=False)
+class Axes:
+    """What a device says that is plugged in here, and at no station."""
+
+    at_s: float
+    """when it said so, by the cockpit's clock"""
+    axes: SixAxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +66,13 @@ class Lease:
     def alive(self, now_s: float) -> bool:
         """Return whether somebody drives and was heard of a moment ago."""
         return self.input is not None and now_s - self.beat_s <= LOST_AFTER_S
+
+    def everything(self, now_s: float, latest: Axes | None) -> OperatorInput | None:
+        """Return what the holder's devices say now, `latest` too; None where nobody is heard of."""
+        if self.input is None or not self.alive(now_s):
+            return None
+        heard = latest is not None and now_s - latest.at_s <= LOST_AFTER_S
+        return replace(self.input, goal=self.goal, axes=latest.axes if latest and heard else None)
 
     def expired(self, now_s: float) -> bool:
         """Return whether the lease's holder was not heard of for so long that it is lost."""

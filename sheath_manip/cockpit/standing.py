@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sheath_manip.cockpit.lease import NOBODY, Lease
+from sheath_manip.types import Outcome
 from sheath_manip.types.operator_input import OperatorInput
 
 
@@ -15,6 +16,11 @@ class Ending(StrEnum):
     FAILURE = "failure"
     SAVE = "save"
     DISCARD = "discard"
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What the person says that the episode is, if anything."""
+        return Outcome(self) if self in (Ending.SUCCESS, Ending.FAILURE) else None
 
 
 @dataclass(frozen=True, eq=False)

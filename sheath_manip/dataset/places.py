@@ -105,3 +105,11 @@ def faults_told(name: str, file: str, read: Callable[[], Result]) -> Result:
     except (BrokenArchiveError, OSError) as error:
         reason = f"{file or 'it'} cannot be read ({error}); {REMEDY}"
         raise FaultError(name, FaultKind.UNREADABLE, reason) from error
+
+
+def name_is_taken(store: Path, name: str) -> StoreError:
+    """Return what is raised where another episode has the name."""
+    return StoreError(
+        f"{store} already holds {name}, and it is kept; skip what `EpisodeStore.has` knows, or "
+        "record under another run seed or into a new store"
+    )

@@ -13,12 +13,7 @@ from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 
-from sheath_manip.dataset.archive import (
-    Archive,
-    Signature,
-    give_name,
-    write_archive,
-)
+from sheath_manip.dataset.archive import Archive, Signature, give_name, write_archive
 from sheath_manip.dataset.attributes import GROUP_FILE, MOST_BYTES, parse_header
 from sheath_manip.dataset.beside import faults_beside_episodes
 from sheath_manip.dataset.content import is_same
@@ -45,6 +40,7 @@ from sheath_manip.dataset.places import (
     archive_path,
     faults_told,
     is_there,
+    name_is_taken,
     place_of,
     storable_name,
 )
@@ -109,7 +105,7 @@ class EpisodeStore(EpisodeReader):
         """
         name = storable_name(recorded.header.info)
         if is_there(self.path, name):
-            raise _taken(self.path, name)
+            raise name_is_taken(self.path, name)
         self._publish(name, storable_files(recorded))
         return name
 
@@ -182,7 +178,7 @@ class EpisodeStore(EpisodeReader):
         except FileExistsError as error:
             written = Archive(aside).content(GROUP_FILE, MOST_BYTES)
             if not may_be_there or not is_same(self.header(name), parse_header(name, written)):
-                raise _taken(self.path, name) from error
+                raise name_is_taken(self.path, name) from error
         except OSError as error:
             raise StoreError(f"cannot write {name} into {self.path} ({error})") from error
         finally:
@@ -298,10 +294,3 @@ class EpisodeStore(EpisodeReader):
     def entry_faults(self) -> list[Fault]:
         """The leftovers, and what does not belong into the directory."""
         return [*faults_beside_episodes(self.path), *marks_faults(self.path, set(self.names()))]
-
-
-def _taken(path: Path, name: str) -> StoreError:
-    return StoreError(
-        f"{path} already holds {name}, and it is kept; skip what `EpisodeStore.has` knows, or "
-        "record under another run seed or into a new store"
-    )

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from playwright.sync_api import Page
+from playwright.sync_api import Locator, Page
 
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.protocols import Environment, Restorable
@@ -235,3 +235,8 @@ def dashboard() -> Iterator[Dashboard]:
 def browser_page() -> Iterator[Page]:
     with chromium_page() as page:
         yield page
+
+
+def slider(page: Page, place: int) -> Locator:
+    """Of those to be seen, from above: viser gives them no name."""
+    return page.get_by_role("slider").nth(place)
