@@ -63,6 +63,10 @@ class RobosuiteGymnasium(gymnasium.Env):
 
     def close(self) -> None:
         """Free what the simulator holds."""
+        # What is freed goes by its number, in whichever context is current: another environment's
+        # textures have the same ones.
+        if getattr(self.inner, "sim", None) is not None:
+            self._draw_here()
         self.inner.close()
 
     def memory(self) -> NDArray[np.float64]:

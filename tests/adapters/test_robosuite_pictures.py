@@ -41,6 +41,11 @@ class Lift:
     def step(self, _):
         return self.reset(), 0.0, False, {}
 
+    def close(self):
+        """Free textures by number, in the context that is current."""
+        if isinstance(self.screen.current, Lift):
+            self.screen.current.shade = 0
+
     def _get_observations(self):
         return self.reset()
 
@@ -69,6 +74,16 @@ def test_another_environment_made_and_closed_does_not_change_the_pictures(look, 
     assert look(second)["front_image"].max() == 200
     screen.current = None
     assert look(first)["front_image"].max() == 50
+
+
+def test_what_another_environment_frees_at_its_end_is_its_own(monkeypatch):
+    macros = SimpleNamespace(IMAGE_CONVENTION="opengl")
+    monkeypatch.setitem(sys.modules, "robosuite", SimpleNamespace(macros=macros))
+    screen = Screen()
+    first, second = (RobosuiteGymnasium(Lift(screen, shade)) for shade in (50, 200))
+    first.reset(seed=1)
+    second.close()
+    assert first.reset(seed=1)[0]["front_image"].max() == 50
 
 
 def test_without_a_camera_nothing_is_drawn(monkeypatch):
