@@ -278,10 +278,12 @@ def test_a_killed_browser_leaves_the_robot_holding_within_half_a_second(grasp, o
     own = opened.context.browser
     assert own is not None
     doomed = own.browser_type.launch(executable_path=CHROMIUM, args=FLAGS)
-    page = doomed.new_page()
+    # Two browsers draw at once, and what is drawn too late makes the robot hold: a small window.
+    page = doomed.new_page(viewport={"width": 480, "height": 320})
     open_dashboard(page, grasp.page.address)
     page.wait_for_function("window.sheathOperator?.state.operated")
     page.keyboard.press("t")
+    page.wait_for_function("window.sheathOperator.state.mine")
     page.keyboard.down("l")
     grasp.until_turn(Actor.OPERATOR)
     processes = doomed.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
