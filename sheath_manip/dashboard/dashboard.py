@@ -184,7 +184,7 @@ class Dashboard(Closes):
 
     def _latest(self) -> Snapshot | None:
         if self.cockpit.lease.holder is not None:
-            # Nobody drives by the past, whoever wants to look back meanwhile.
+            # Nobody drives by the past, whether or not somebody wants to look back meanwhile.
             self._playhead.release()
         shown = self._playhead.shown
         if shown is None:

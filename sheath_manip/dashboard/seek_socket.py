@@ -1,6 +1,6 @@
 """A websocket of the page's own by which a person moves in time: clicks on strips and plots, keys.
 
-viser's texts and plots tell of no click. The page's script (`seek.js`) does, and whoever has the
+viser's texts and plots tell of no click. The page's script (`seek.js`) does, and who has the
 page's cookie may: to look at another step changes nothing of a run.
 """
 

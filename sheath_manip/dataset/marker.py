@@ -18,7 +18,7 @@ FORMAT = "sheath-store"
 SCHEMA = 2
 """of the directory; each episode has its own, see `attributes.SCHEMA`"""
 READABLE = (1, SCHEMA)
-"""In one of schema 1 every episode is a folder; whoever wrote that sees no archive."""
+"""In one of schema 1 every episode is a folder; versions that wrote that see no archive."""
 MOST_MARKER_BYTES = 64 << 10
 OR_A_NEW_ONE = ", or a new one to record into"
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")

@@ -23,7 +23,7 @@ class AskedInEpisode:
     requests: int
     """how often the robot asked: for the expert, or for a person, whether one came or not"""
     turns_s: tuple[float, ...]
-    """each turn of whoever drove in the policy's place"""
+    """each turn of those who drove in the place of the policy"""
     waited_s: float
     """for a person, in which nobody drove"""
     labels: int
