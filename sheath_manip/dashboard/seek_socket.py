@@ -1,7 +1,7 @@
 """A websocket of the page's own by which a person moves in time: clicks on strips and plots, keys.
 
-viser's texts and plots tell of no click. The page's script (`seek.js`) does, and every page that has the
-cookie may: to look at another step changes nothing of a run.
+viser's texts and plots tell of no click. The page's script (`seek.js`) does, and every page that
+has the cookie may: to look at another step changes nothing of a run.
 """
 
 import json
