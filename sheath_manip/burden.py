@@ -6,6 +6,7 @@ a run of steps in which somebody else than the policy acts, in an episode that h
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 
@@ -79,6 +80,17 @@ class Burden:
     driving_s_an_episode: float
     labels_an_episode: float
 
+    @classmethod
+    def of(cls, counts: StepCounts, turns_s: Sequence[float]) -> Self:
+        """Return it for what was counted, and the seconds of each takeover."""
+        return cls(
+            takeovers_an_episode=counts.takeovers_an_episode,
+            takeovers_a_minute=counts.takeovers_a_minute,
+            median_takeover_s=float(np.median(turns_s)) if len(turns_s) else float("nan"),
+            driving_s_an_episode=counts.driving_s_an_episode,
+            labels_an_episode=counts.labels_an_episode,
+        )
+
 
 def counts_of(record: EpisodeRecord) -> StepCounts:
     """Return what is counted of one episode."""
@@ -97,15 +109,8 @@ def counts_of(record: EpisodeRecord) -> StepCounts:
 
 def burden_of(records: Sequence[EpisodeRecord]) -> Burden:
     """Return what the episodes of `records` asked of the expert."""
-    counts = sum(map(counts_of, records), StepCounts())
     turns_s = [steps / each.control_rate_hz for each in records for steps in each.turns]
-    return Burden(
-        takeovers_an_episode=counts.takeovers_an_episode,
-        takeovers_a_minute=counts.takeovers_a_minute,
-        median_takeover_s=float(np.median(turns_s)) if turns_s else float("nan"),
-        driving_s_an_episode=counts.driving_s_an_episode,
-        labels_an_episode=counts.labels_an_episode,
-    )
+    return Burden.of(sum(map(counts_of, records), StepCounts()), turns_s)
 
 
 def _each(amount: float, count: float) -> float:

@@ -121,9 +121,9 @@ def test_what_failed_and_what_was_asked_are_told_apart():
     assert (of.scenes, of.failed, of.stuck, of.broken, of.unbroken) == (3, 2, 1, 1, 0)
     assert of.burden.takeovers_an_episode == 1.0
     assert of.burden.takeovers_a_minute == pytest.approx(3 / (200 / 600))
-    assert of.burden.share == pytest.approx(50 / 200)
-    assert of.burden.seconds_an_episode == pytest.approx(5 / 3)
-    assert of.burden.median_turn_s == 1.0
+    assert of.expert_share == pytest.approx(50 / 200)
+    assert of.burden.driving_s_an_episode == pytest.approx(5 / 3)
+    assert of.burden.median_takeover_s == 1.0
     assert of.true_mix.failed == pytest.approx(8 / 10)
     assert of.ci95[0] >= 0
     assert of.ci95[1] <= 1
@@ -145,7 +145,9 @@ def test_a_plan_that_cannot_be_run_is_refused():
 
 
 def test_a_task_has_its_own_quota_and_tuning_a_share_of_it():
-    plan = TakeoversPlan(scenes=Quota(failing=10), scenes_of={"corridor": Quota(failing=20)})
-    assert plan.quota("corridor", FRESH).failing == 20
-    assert plan.quota("another", FRESH).failing == 10
-    assert 1 <= plan.quota("corridor", TUNING).failing < 20
+    plan = TakeoversPlan(
+        scenes=Quota(failing=10), by_task={"corridor": {"scenes": Quota(failing=20)}}
+    )
+    assert plan.for_task("corridor").quota(FRESH).failing == 20
+    assert plan.for_task("another").quota(FRESH).failing == 10
+    assert 1 <= plan.for_task("corridor").quota(TUNING).failing < 20

@@ -22,7 +22,7 @@ STEPS = 5
 
 @pytest.fixture
 def at() -> Watched:
-    plan = TakeoversPlan(stretch_s={"corridor": STRETCH_S})
+    plan = TakeoversPlan(stretch_s=STRETCH_S)
     return Watched(STUDY, plan, Path("nowhere"), 0, 0)
 
 
@@ -50,7 +50,7 @@ def test_a_failure_lies_in_a_stretch_and_not_at_its_beginning(at):
 def test_standing_still_fails_no_stretch_and_a_whole_episode(at):
     episode = lasting(12, Outcome.TIME_LIMIT)
     assert scenes_of(at, at.spec(), TUNING, 0, episode).failing == 0
-    whole = replace(at, plan=replace(at.plan, stretch_s={}))
+    whole = replace(at, plan=replace(at.plan, stretch_s=None))
     found = scenes_of(whole, at.spec(), TUNING, 0, episode)
     assert (found.episodes, found.failing, found.stuck) == (1, 1, 1)
 

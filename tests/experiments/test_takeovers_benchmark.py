@@ -33,7 +33,6 @@ SMALL = TakeoversPlan(
     seeds=(0,),
     rounds=(0, 1),
     scenes=Quota(failing=3, succeeding=1, most=12),
-    scenes_of={},
     signals=("default", "precedent"),
     turns_s=(0.3,),
     levels=(-1.0, 0.0, 0.3),

@@ -70,7 +70,7 @@ class Alone:
 
 def try_alone(at: Watched, lot: str, report: Report) -> None:
     """Let the policy drive until enough scenes failed, or the most were tried; keep the chosen."""
-    quota = at.plan.quota(at.study.name, lot)
+    quota = at.plan.quota(lot)
     spec = at.spec()
     driver = PolicyAlone(at.checkpoint_path, digest(at.checkpoint_path))
     recorder = Recorder(at.store)

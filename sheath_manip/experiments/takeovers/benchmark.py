@@ -43,13 +43,14 @@ def run_takeovers(
         if name not in by_name:
             raise UnknownNameError("task", name, by_name)
     policies = [
-        Watched(by_name[name], plan, runs / name, seed, rounds)
+        Watched(by_name[name], of_task, runs / name, seed, rounds)
         for name in plan.tasks or by_name
-        for seed in plan.seeds
-        for rounds in plan.rounds
+        for of_task in [plan.for_task(name)]
+        for seed in of_task.seeds
+        for rounds in of_task.rounds
     ]
     for at in policies:
-        held = {**plan.settings(), "learning_plan": without_seeds(at.learning)}
+        held = {**at.plan.settings(), "learning_plan": without_seeds(at.learning)}
         require_same_plan(held, at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
     stopwatch = Stopwatch(runs / "wall.json")

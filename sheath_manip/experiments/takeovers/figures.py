@@ -17,7 +17,7 @@ from sheath_manip.experiments.figures.style import (
     percent_axis,
     round_ticks,
 )
-from sheath_manip.experiments.takeovers.plan import BASELINES_OF, SHARE, TAKEOVERS
+from sheath_manip.experiments.takeovers.plan import BASELINES_OF, TAKEOVERS
 from sheath_manip.experiments.takeovers.table import NAMES
 
 LIKE = ("sheath", "random-takeover", "dagger", "cloning")
@@ -45,7 +45,7 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
     asked = (
         f"{burden['takeovers_an_episode']:.2g} takeovers an episode"
         if axis == TAKEOVERS
-        else f"{in_percent(burden['share'])} of the steps"
+        else f"{in_percent(gate['expert_share'])} of the steps"
     )
     with drawing(path, height_px=1000) as figure:
         heading(
@@ -61,7 +61,7 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
         oracle = found["oracle"]
         if oracle is not None and oracle["scenes"]:
             axes.plot(
-                oracle["burden"][_KEY[axis]],
+                _burden_of(oracle, axis),
                 oracle["rate"],
                 "*",
                 color=INK,
@@ -84,15 +84,17 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
         figure.legend(loc="outside lower center", ncols=3)
 
 
-_KEY = {TAKEOVERS: "takeovers_an_episode", SHARE: "share"}
+def _burden_of(way: Mapping[str, Any], axis: str) -> float:
+    """What is held equal, as it came out."""
+    return way["burden"]["takeovers_an_episode"] if axis == TAKEOVERS else way["expert_share"]
 
 
 def _curve(axes: Axes, axis: str, targets: list[Any], name: str, look: dict[str, Any]) -> None:
     """One way over all its burdens, from the policy alone on."""
     ways = sorted(
-        (target["ways"][name] for target in targets), key=lambda way: way["burden"][_KEY[axis]]
+        (target["ways"][name] for target in targets), key=lambda way: _burden_of(way, axis)
     )
-    burdens = [way["burden"][_KEY[axis]] for way in ways]
+    burdens = [_burden_of(way, axis) for way in ways]
     rates = [way["rate"] for way in ways]
     low, high = zip(*(way["ci95"] for way in ways), strict=True)
     axes.vlines(burdens, low, high, color=look["color"], alpha=0.35, linewidth=2.2)

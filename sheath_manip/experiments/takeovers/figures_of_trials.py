@@ -7,7 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.experiments.takeovers.trial import Trial, mean_share, mean_takeovers
+from sheath_manip.burden import Burden, StepCounts
+from sheath_manip.experiments.takeovers.trial import Trial, mean_share
 
 RESAMPLES = 4000
 TAIL = (2.5, 97.5)
@@ -19,19 +20,6 @@ class Weighed:
 
     trial: Trial
     weight: float
-
-
-@dataclass(frozen=True)
-class Burden:
-    """What was asked of the expert, each apart."""
-
-    takeovers_an_episode: float
-    takeovers_a_minute: float
-    share: float
-    """of the steps"""
-    seconds_an_episode: float
-    median_turn_s: float
-    """NaN where there was no turn"""
 
 
 @dataclass(frozen=True)
@@ -56,6 +44,9 @@ class Found:
     ci95: tuple[float, float]
     """bootstrap by scene, since several policies meet the same"""
     burden: Burden
+    """of its labels each is a step that the expert drove"""
+    expert_share: float
+    """of the steps"""
     broken: int
     """failed of the scenes in which the policies succeed alone"""
     unbroken: int
@@ -83,6 +74,7 @@ def found(trials: Sequence[Weighed], control_rate_hz: float) -> Found:
         rate=float(failed.mean()) if failing else float("nan"),
         ci95=interval([trial.seed for trial in failing], failed),
         burden=burden_of(failing, control_rate_hz),
+        expert_share=mean_share(failing),
         broken=broken,
         unbroken=len(others) - broken,
         true_mix=TrueMix(
@@ -95,16 +87,19 @@ def found(trials: Sequence[Weighed], control_rate_hz: float) -> Found:
 
 def burden_of(trials: Sequence[Trial], control_rate_hz: float) -> Burden:
     """Return what `trials` asked of the expert."""
-    turns = [count for trial in trials for _, count in trial.turns]
-    minutes = sum(trial.steps for trial in trials) / control_rate_hz / 60
-    nothing = float("nan")
-    return Burden(
-        takeovers_an_episode=mean_takeovers(trials),
-        takeovers_a_minute=len(turns) / minutes if minutes else nothing,
-        share=mean_share(trials),
-        seconds_an_episode=sum(turns) / control_rate_hz / len(trials) if trials else nothing,
-        median_turn_s=float(np.median(turns)) / control_rate_hz if turns else nothing,
+    driving_steps = sum(trial.expert_steps for trial in trials)
+    steps = sum(trial.steps for trial in trials)
+    turns = np.array([count for trial in trials for _, count in trial.turns])
+    counts = StepCounts(
+        episodes=len(trials),
+        steps=steps,
+        driving_steps=driving_steps,
+        active_s=steps / control_rate_hz,
+        driving_s=driving_steps / control_rate_hz,
+        takeovers=len(turns),
+        labels=driving_steps,
     )
+    return Burden.of(counts, turns / control_rate_hz)
 
 
 def difference(

@@ -53,20 +53,14 @@ class TakeoversPlan:
     """whose gates are compared; all where None"""
     learning: str = "full"
     """the task's plan that says what is demonstrated, fitted, and what the default gate is"""
-    learning_of: Mapping[str, str] = field(default_factory=lambda: {"platformer": "across"})
-    """another one of those, by task"""
     seeds: tuple[int, ...] = (0, 1, 2)
     """of training runs"""
     rounds: tuple[int, ...] = (0, 1, 2, 4)
     """after which a policy is watched over: the fewer, the worse it is"""
     scenes: Quota = field(default_factory=Quota)
     """that each policy is tried on"""
-    scenes_of: Mapping[str, Quota] = field(
-        default_factory=lambda: {"driving": Quota(failing=14, most=240)}
-    )
-    """another quota, by task: where policies fail seldom"""
-    stretch_s: Mapping[str, float] = field(default_factory=lambda: {"platformer": 6.0})
-    """length of a scene, by task; of all others it is the whole episode"""
+    stretch_s: float | None = None
+    """length of a scene; None: it is the whole episode"""
     tuning_share: float = 0.4
     """of those numbers, for the tuning lot"""
     signals: tuple[str, ...] = ("default", "precedent")
@@ -82,6 +76,8 @@ class TakeoversPlan:
     """of the steps of such an episode, at which they are compared"""
     oracle: int = 3
     """failing scenes of each policy on which the oracle is tried"""
+    by_task: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """fields that are others for a task, by its name"""
 
     def __post_init__(self) -> None:
         for name in ("seeds", "rounds", "signals", "turns_s", "takeovers", "shares"):
@@ -92,10 +88,13 @@ class TakeoversPlan:
         if self.levels[-1] >= 1:
             raise ParameterError(f"levels are {self.levels}; wanted each below 1")
 
-    def quota(self, task: str, lot: str) -> Quota:
+    def for_task(self, name: str) -> Self:
+        """Return the plan as it is for one task."""
+        return dataclasses.replace(self, **self.by_task.get(name, {}), by_task={})
+
+    def quota(self, lot: str) -> Quota:
         """Return how many scenes of a lot there are."""
-        quota = self.scenes_of.get(task, self.scenes)
-        return quota if lot == FRESH else quota.smaller(self.tuning_share)
+        return self.scenes if lot == FRESH else self.scenes.smaller(self.tuning_share)
 
     def targets(self) -> list[tuple[str, float]]:
         """Return all (axis, value) at which gates are compared."""
@@ -104,9 +103,7 @@ class TakeoversPlan:
 
     def of(self, study: Study) -> LearningPlan:
         """Return what runs on the study's task, so that each policy of `rounds` is learned."""
-        named = self.learning_of.get(study.name, self.learning)
-        plan = study.plan(named if named in study.plans else self.learning)
-        return plan.changed(
+        return study.plan(self.learning).changed(
             schedule={"rounds": max(1, *self.rounds), "stop_below_loss": 0.0},
             comparison={
                 "methods": (METHOD,),
@@ -127,15 +124,20 @@ class TakeoversPlan:
 
 
 PLANS = {
-    "full": TakeoversPlan(),
+    "full": TakeoversPlan(
+        by_task={
+            # Its policies fail seldom.
+            "driving": {"scenes": Quota(failing=14, most=240)},
+            # Its policies fail several times in every episode.
+            "platformer": {"learning": "across", "stretch_s": 6.0},
+        }
+    ),
     "quick": TakeoversPlan(
         tasks=("driving",),
         learning="quick",
-        learning_of={},
         seeds=(0,),
         rounds=(0,),
         scenes=Quota(failing=3, succeeding=1, most=8),
-        scenes_of={},
         signals=("default",),
         turns_s=(0.5,),
         levels=(-0.5, 0.0, 0.1),

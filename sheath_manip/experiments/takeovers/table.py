@@ -59,15 +59,15 @@ def _of_task(name: str, found: Mapping[str, Any]) -> Table:
                 str(of["scenes"]),
                 str(of["stuck"]),
                 *(_number(burden[key]) for key in ("takeovers_an_episode", "takeovers_a_minute")),
-                _number(100 * burden["share"]),
-                _number(burden["median_turn_s"]),
+                _number(100 * of["expert_share"]),
+                _number(burden["median_takeover_s"]),
             )
     oracle = found["oracle"]
     if oracle is not None and oracle["scenes"]:
         grid.caption = (
             f"{grid.caption} · the oracle, on {oracle['scenes']} of them: failed "
             f"{oracle['failed']}, {_number(oracle['burden']['takeovers_an_episode'])} takeovers, "
-            f"{_number(100 * oracle['burden']['share'])} % share"
+            f"{_number(100 * oracle['expert_share'])} % share"
         )
     return grid
 

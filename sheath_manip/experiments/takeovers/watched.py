@@ -27,6 +27,7 @@ class Watched:
 
     study: Study
     plan: TakeoversPlan
+    """as it is for the study's task"""
     runs: Path
     """of this task"""
     seed: int
@@ -90,7 +91,7 @@ class Watched:
 
     def stretch_steps(self, spec: TaskSpec) -> int | None:
         """Return how many steps a scene has; None where it is the whole episode."""
-        length_s = self.plan.stretch_s.get(self.study.name)
+        length_s = self.plan.stretch_s
         return None if length_s is None else max(1, round(length_s * spec.control_rate_hz))
 
     def spec(self) -> TaskSpec:
