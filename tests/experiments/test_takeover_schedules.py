@@ -10,7 +10,7 @@ from sheath_manip.experiments.takeovers.choosing import Rung, at_burden
 from sheath_manip.experiments.takeovers.figures_of_trials import Weighed, found, interval
 from sheath_manip.experiments.takeovers.oracle import last_saving_step
 from sheath_manip.experiments.takeovers.plan import FRESH, TUNING, Quota, TakeoversPlan
-from sheath_manip.experiments.takeovers.schedules import SCHEDULES
+from sheath_manip.experiments.takeovers.schedules import SCHEDULES, Gated
 from sheath_manip.experiments.takeovers.trial import Trial, mean_share, mean_takeovers
 from sheath_manip.experiments.takeovers.watched import threshold_at
 from sheath_manip.gates.scheduled import ScheduledTakeovers
@@ -25,11 +25,13 @@ def trial(*turns: tuple[int, int], steps: int = 100, failing: bool = True, seed:
 
 
 GATE = [trial((10, 10), (60, 20)), trial((30, 10)), trial(), trial((5, 50), failing=False)]
+ALONE_STEPS = [70, 60, 80, 100]
+GATED = Gated(GATE, ALONE_STEPS)
 
 
 def drawn(name: str, draws: int = 400) -> list:
     return [
-        SCHEDULES[name](GATE, index, np.random.default_rng(100 * draw + index))
+        SCHEDULES[name](GATED, index, np.random.default_rng(100 * draw + index))
         for draw in range(draws)
         for index in range(3)
     ]
@@ -39,24 +41,37 @@ def steps_within(turns, steps: int = 100) -> int:
     return sum(max(0, min(start + count, steps) - start) for start, count in turns)
 
 
-@pytest.mark.parametrize("name", ["random-steps", "every-kth-step", "random-blocks"])
+def begun_in_the_policys_time(turns, steps: int) -> int:
+    """How many turns begin within so many steps that are not the expert's."""
+    before = np.cumsum([0, *(count for _, count in turns)])[:-1]
+    return sum(start - expert < steps for (start, _), expert in zip(turns, before, strict=True))
+
+
+@pytest.mark.parametrize("name", ["random-steps", "every-kth-step"])
 def test_a_schedule_asks_as_much_as_the_gate_does(name):
     share = np.mean([steps_within(turns) for turns in drawn(name)]) / 100
     assert share == pytest.approx(mean_share(GATE[:3]), rel=0.15)
 
 
-def test_blocks_begin_as_often_as_the_gates_turns_do():
-    begun = np.mean([sum(start < 100 for start, _ in turns) for turns in drawn("random-blocks")])
-    assert begun == pytest.approx(mean_takeovers(GATE[:3]), rel=0.2)
+def test_blocks_come_as_often_in_the_time_that_the_policy_alone_has():
+    turns = drawn("random-blocks")
+    begun = np.mean(
+        [
+            begun_in_the_policys_time(each, ALONE_STEPS[place % 3])
+            for place, each in enumerate(turns)
+        ]
+    )
+    assert begun == pytest.approx(mean_takeovers(GATE[:3]), rel=0.1)
+    assert {count for each in turns for _, count in each} == {10, 20}
 
 
 def test_its_own_turns_come_at_random_times_and_none_overlap():
     for turns in drawn("own-at-random-times")[::3]:
         assert sorted(count for _, count in turns) == [10, 20]
-        (first, count), (second, last) = turns
+        (first, count), (second, _) = turns
         assert first >= 0
-        assert first + count <= second
-        assert second + last <= 100
+        assert first + count < second
+        assert begun_in_the_policys_time(turns, ALONE_STEPS[0]) == 2
     assert len(set(drawn("own-at-random-times")[::3])) > 100
 
 
@@ -67,7 +82,7 @@ def test_another_scenes_turns_are_never_its_own():
 
 def test_a_gate_that_never_took_over_gives_empty_schedules():
     for schedule in SCHEDULES.values():
-        assert schedule([trial(), trial()], 0, np.random.default_rng(0)) == ()
+        assert schedule(Gated([trial(), trial()], [50, 50]), 0, np.random.default_rng(0)) == ()
 
 
 def test_the_scheduled_expert_acts_in_its_steps_alone():

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sheath_manip.experiments.learning import Job as Learn
-from sheath_manip.experiments.takeovers.alone import Alone, try_alone
+from sheath_manip.experiments.takeovers.alone import Alone, alone_on, try_alone
 from sheath_manip.experiments.takeovers.choosing import (
     choose,
     kinds,
@@ -15,7 +15,7 @@ from sheath_manip.experiments.takeovers.choosing import (
 )
 from sheath_manip.experiments.takeovers.oracle import try_oracle
 from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, METHOD, TUNING
-from sheath_manip.experiments.takeovers.schedules import SCHEDULES
+from sheath_manip.experiments.takeovers.schedules import SCHEDULES, Gated
 from sheath_manip.experiments.takeovers.scoring import fit_and_score, scene_key
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice, try_gates, try_schedules
@@ -129,10 +129,12 @@ class TryBaselines:
                 read_trials(at.trials_path(FRESH, GATES)),
                 Alone.read(at, FRESH).scenes,
             )
+            spec = at.spec()
+            alone_steps = [len(alone_on(at, spec, FRESH, scene)) for scene in scenes]
             schedules = {
                 f"{target_name(axis, value)}/{name}": {
                     scene: SCHEDULES[name](
-                        gates[target_name(axis, value)],
+                        Gated(gates[target_name(axis, value)], alone_steps),
                         place,
                         generator("takeovers", at.name, axis, str(value), name, scene_key(scene)),
                     )

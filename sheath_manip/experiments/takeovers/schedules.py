@@ -1,66 +1,102 @@
-"""Takeovers that look at nothing, as often and as long as a gate's: baselines of equal burden."""
+"""Takeovers that look at nothing, as often and as long as a gate's: baselines of equal burden.
+
+An episode that fails soon leaves little time to be called in. Were calls drawn by the time that the
+gate's episodes took, which it saved and made long, the baselines would be called less often than
+the gate. They are drawn by the time that the policy alone takes, in which each can still help.
+"""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from sheath_manip.experiments.takeovers.trial import Trial, mean_share
 
 Turns = tuple[tuple[int, int], ...]
-Schedule = Callable[[Sequence[Trial], int, np.random.Generator], Turns]
-"""from a gate's trials on all scenes, the place of one of them, and draws: when the expert acts"""
 
 OVERTIME = 2.0
 """schedules go on for so many of the longest episodes that the gate had"""
 
 
-def random_steps(trials: Sequence[Trial], index: int, rng: np.random.Generator) -> Turns:
+@dataclass(frozen=True)
+class Gated:
+    """What a gate did on all scenes of a lot."""
+
+    trials: Sequence[Trial]
+    alone_steps: Sequence[int]
+    """of each scene, how many steps the policy alone has"""
+
+    @property
+    def failing(self) -> Self:
+        """The scenes that fail alone, whose burden counts; all where there is none."""
+        pairs = zip(self.trials, self.alone_steps, strict=True)
+        failing = [(trial, steps) for trial, steps in pairs if trial.failing]
+        if not failing:
+            return self
+        trials, alone_steps = zip(*failing, strict=True)
+        return type(self)(trials, alone_steps)
+
+    @property
+    def horizon(self) -> int:
+        """The step with which schedules end."""
+        return round(OVERTIME * max(*(trial.steps for trial in self.trials), *self.alone_steps))
+
+
+Schedule = Callable[[Gated, int, np.random.Generator], Turns]
+"""from what a gate did, the place of a scene, and draws: when the expert acts"""
+
+
+def random_steps(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
     """Single steps, each drawn with the gate's share."""
     del index
-    hard = _hard(trials)
-    drawn = rng.random(_horizon(trials)) < mean_share(hard)
+    drawn = rng.random(gated.horizon) < mean_share(gated.failing.trials)
     return tuple((int(step), 1) for step in np.flatnonzero(drawn))
 
 
-def every_so_many(trials: Sequence[Trial], index: int, rng: np.random.Generator) -> Turns:
+def every_so_many(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
     """Every k-th step, by the gate's share, from a drawn one on."""
     del index
-    share = mean_share(_hard(trials))
+    share = mean_share(gated.failing.trials)
     if not share > 0:
         return ()
     apart = max(1, round(1 / share))
-    return tuple((step, 1) for step in range(int(rng.integers(apart)), _horizon(trials), apart))
+    return tuple((step, 1) for step in range(int(rng.integers(apart)), gated.horizon, apart))
 
 
-def random_blocks(trials: Sequence[Trial], index: int, rng: np.random.Generator) -> Turns:
-    """Blocks that come as often as the gate's turns, each as long as a drawn one of them.
-
-    As often in the policy's time: where an episode ends sooner, fewer of them come.
-    """
+def random_blocks(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
+    """Blocks that come as often as the gate's turns, each as long as a drawn one of them."""
     del index
-    hard = _hard(trials)
-    lengths = [count for trial in hard for _, count in trial.turns]
-    free = sum(trial.steps - trial.expert_steps for trial in hard)
+    failing = gated.failing
+    lengths = [count for trial in failing.trials for _, count in trial.turns]
     if not lengths:
         return ()
+    often = min(1.0, len(lengths) / max(sum(failing.alone_steps), 1))
     turns: list[tuple[int, int]] = []
     step = 0
     while True:
-        step += int(rng.geometric(min(1.0, len(lengths) / max(free, 1)))) - 1
-        if step >= _horizon(trials):
+        step += int(rng.geometric(often)) - 1
+        if step >= gated.horizon:
             return tuple(turns)
         turns.append((step, lengths[int(rng.integers(len(lengths)))]))
         step += turns[-1][1]
 
 
-def own_at_random(trials: Sequence[Trial], index: int, rng: np.random.Generator) -> Turns:
-    """The gate's own turns in this scene, at random times of it."""
-    trial = trials[index]
-    return _placed([count for _, count in trial.turns], trial.steps, rng)
+def own_at_random(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
+    """The gate's own turns in this scene, at random times of the policy's."""
+    lengths = np.asarray([count for _, count in gated.trials[index].turns], int)
+    steps = gated.alone_steps[index]
+    # With a step of the policy between any two, or they were one.
+    begun = np.sort(rng.choice(steps, len(lengths), replace=len(lengths) > steps))
+    ordered = rng.permutation(lengths)
+    # The expert's own steps are none of the policy's.
+    starts = begun + np.cumsum(ordered) - ordered
+    return tuple((int(start), int(count)) for start, count in zip(starts, ordered, strict=True))
 
 
-def anothers(trials: Sequence[Trial], index: int, rng: np.random.Generator) -> Turns:
+def anothers(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
     """The gate's turns in another scene, at their times."""
+    trials = gated.trials
     if len(trials) < 2:
         return ()
     return trials[(index + int(rng.integers(1, len(trials)))) % len(trials)].turns
@@ -73,24 +109,3 @@ SCHEDULES: dict[str, Schedule] = {
     "own-at-random-times": own_at_random,
     "another-scenes": anothers,
 }
-
-
-def _horizon(trials: Sequence[Trial]) -> int:
-    return round(OVERTIME * max(trial.steps for trial in trials))
-
-
-def _placed(lengths: Sequence[int], steps: int, rng: np.random.Generator) -> Turns:
-    """Turns of these lengths in a drawn order, the room between them drawn: none overlap."""
-    if not lengths:
-        return ()
-    ordered = rng.permutation(np.asarray(lengths))
-    room = max(steps - int(ordered.sum()), 0)
-    # Of all ways to put the room before, between and behind them, each is as likely.
-    gaps = np.sort(rng.integers(0, room + 1, len(ordered)))
-    starts = gaps + np.concatenate([[0], np.cumsum(ordered)[:-1]])
-    return tuple((int(start), int(count)) for start, count in zip(starts, ordered, strict=True))
-
-
-def _hard(trials: Sequence[Trial]) -> list[Trial]:
-    """Those of scenes that fail alone, whose burden counts; all where there is none."""
-    return [trial for trial in trials if trial.failing] or list(trials)
