@@ -152,12 +152,44 @@ def budget_threshold(scores: NDArray, expert_share: float) -> float:
     return float(ordered[below])
 
 
+def level_threshold(scores_by_episode: Sequence[NDArray], level: float) -> float:
+    """The threshold of a level, which goes on below the lowest score that the expert has.
+
+    From 0 on it is the score below which so large a share of the expert's held-out steps lies, 0
+    the lowest; below 0 it lies so many times farther below the lowest as the lowest is below the
+    median. So a gate can be stricter than any rate of false alarms says: it asks a few times in ten
+    episodes, not in each.
+
+    Nothing is promised of new expert steps.
+
+    Args:
+        scores_by_episode: arrays of support scores, (n_k,) each.
+        level: below 1; -1 is twice as far below the median as the lowest.
+
+    Raises:
+        ParameterError: another level; UnscoredError among them where no step has a score.
+    """
+    if not level < 1:
+        raise ParameterError(f"level is {level}; wanted less than 1, like -0.5 or 0.01")
+    scores = np.concatenate([np.empty(0), *_scored(scores_by_episode)])
+    known = scores[np.isfinite(scores)]
+    if not len(known):
+        raise UnscoredError(
+            f"none of {len(scores)} held-out steps has a score; wanted one at least"
+        )
+    lowest, middle = float(known.min()), float(np.median(known))
+    if level <= 0:
+        return lowest + level * max(middle - lowest, 1e-9)
+    return float(np.quantile(known, level))
+
+
 ThresholdRule = Callable[[Sequence[NDArray], Sequence[NDArray], ThresholdConfig], float]
 """from the scores of held-out expert episodes and of what the policy met last, and the config"""
 
 THRESHOLD_RULES: dict[str, ThresholdRule] = {
     "steps": lambda held_out, _, config: held_out_threshold(held_out, config.false_alarm_rate),
     "episodes": lambda held_out, _, config: episode_threshold(held_out, config.false_alarm_rate),
+    "level": lambda held_out, _, config: level_threshold(held_out, config.level),
     "boundary": lambda *_: 0.0,
     "budget": lambda _, met, config: budget_threshold(np.concatenate(met), config.expert_budget),
 }

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 
-RULES = ("steps", "episodes", "boundary", "budget")
+RULES = ("steps", "episodes", "level", "boundary", "budget")
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,14 @@ class ThresholdConfig:
 
     rule: str = "steps"
     """rule that sets the threshold: steps (a rate of false alarms in new expert steps), episodes
-    (the probability of any in a new expert episode), budget (the expert's share of what the policy
-    met last) or boundary (the support's own, 0)"""
+    (the probability of any in a new expert episode), level (a share of the expert's steps, or
+    farther off than any of them), budget (the expert's share of what the policy met last) or
+    boundary (the support's own, 0)"""
     false_alarm_rate: float = 0.15
     """rate of false alarms, 0 .. 1, that the rules steps and episodes keep to"""
+    level: float = 0.0
+    """share of held-out expert steps, below 1, that scores lower, for the rule level; below 0 the
+    threshold lies so many times farther below the lowest score as that is below the median"""
     expert_budget: float = 0.15
     """share of the steps, 0 .. 1, that the rule budget gives to the expert"""
     recalibrate: bool = True
@@ -51,3 +55,5 @@ class ThresholdConfig:
         for name in ("false_alarm_rate", "expert_budget"):
             if not 0 < getattr(self, name) < 1:
                 raise ParameterError(f"{name} is {getattr(self, name)}; wanted 0 .. 1")
+        if not self.level < 1:
+            raise ParameterError(f"level is {self.level}; wanted less than 1, like -0.5 or 0.01")

@@ -12,7 +12,6 @@ from sheath_manip.experiments.takeovers.oracle import last_saving_step
 from sheath_manip.experiments.takeovers.plan import FRESH, TUNING, Quota, TakeoversPlan
 from sheath_manip.experiments.takeovers.schedules import SCHEDULES, Gated
 from sheath_manip.experiments.takeovers.trial import Trial, mean_share, mean_takeovers
-from sheath_manip.experiments.takeovers.watched import threshold_at
 from sheath_manip.gates.scheduled import ScheduledTakeovers
 from sheath_manip.types import Actor, Observation, Outcome, Proposal
 
@@ -93,15 +92,6 @@ def test_the_scheduled_expert_acts_in_its_steps_alone():
     assert gate.decide(SEEN, None).actor is Actor.EXPERT
     with pytest.raises(ParameterError, match="wanted"):
         ScheduledTakeovers([(2, 0)])
-
-
-def test_a_level_is_a_share_of_the_experts_steps_or_a_distance_below_them():
-    scores = np.linspace(0, 10, 101)
-    assert threshold_at(scores, 0.1) == pytest.approx(1.0)
-    assert threshold_at(scores, 0.0) == 0.0
-    assert threshold_at(scores, -0.5) == pytest.approx(-2.5)
-    levels = [-2.0, -0.5, 0.0, 0.01, 0.5]
-    assert (np.diff([threshold_at(scores, level) for level in levels]) > 0).all()
 
 
 def test_the_level_of_a_burden_lies_between_two_that_were_tried():

@@ -19,11 +19,12 @@ from sheath_manip.experiments.takeovers.recalled import RecallingGate
 from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice, Place, try_gates
-from sheath_manip.experiments.takeovers.watched import Watched, threshold_at
+from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.rollout import rollout
 from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.executing import Executing
+from sheath_manip.support.calibration import level_threshold
 from sheath_manip.types import Observation
 from tests.experiments.test_figures_generic import assert_shows_something
 from tests.toy import PLAN, Corridor
@@ -126,7 +127,7 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
     environment = at.environment()
     checkpoint = load_checkpoint(at.fitted_path("default"), environment.spec)
     scores = scores_alone(at, FRESH, "default")
-    threshold = threshold_at(np.load(at.held_out_path("default")), 0.3)
+    threshold = level_threshold([np.load(at.held_out_path("default"))], 0.3)
     rate_hz = environment.spec.control_rate_hz
     hold = max(1, round(0.3 * rate_hz))
     fitted = checkpoint.fitted

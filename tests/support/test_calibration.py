@@ -1,14 +1,17 @@
 import numpy as np
 import pytest
 
-from sheath_manip.exceptions import ParameterError
+from sheath_manip.exceptions import ParameterError, UnscoredError
 from sheath_manip.support.calibration import (
     REJECT_ALL,
     budget_threshold,
     episode_threshold,
     held_out_threshold,
+    level_threshold,
     or_reject_all,
+    planned_threshold,
 )
+from sheath_manip.support.config import ThresholdConfig
 
 
 def test_the_expected_share_of_new_steps_is_the_asked_rate():
@@ -139,3 +142,23 @@ def test_missing_and_equal_scores_never_overdraw_the_budget():
 def test_steps_that_cannot_hold_the_budget(scores, share, message):
     with pytest.raises(ParameterError, match=message):
         budget_threshold(scores, share)
+
+
+def test_a_level_is_a_share_of_the_experts_steps_or_a_distance_below_them():
+    scores = np.linspace(0, 10, 101)
+    assert level_threshold([scores[:50], scores[50:]], 0.1) == pytest.approx(1.0)
+    assert level_threshold([scores], 0.0) == 0.0
+    assert level_threshold([scores], -0.5) == pytest.approx(-2.5)
+    levels = [-2.0, -0.5, 0.0, 0.01, 0.5]
+    assert (np.diff([level_threshold([scores], level) for level in levels]) > 0).all()
+
+
+def test_a_level_wants_scores_and_less_than_all_of_them():
+    with pytest.raises(ParameterError, match="wanted less than 1"):
+        level_threshold([np.zeros(3)], 1.0)
+    with pytest.raises(UnscoredError, match="wanted one at least"):
+        level_threshold([np.full(3, np.nan)], 0.0)
+    with pytest.raises(ParameterError, match="wanted less than 1"):
+        ThresholdConfig(level=1.0)
+    assert planned_threshold([np.full(3, np.nan)], [], ThresholdConfig("level")) == REJECT_ALL
+    assert planned_threshold([np.arange(5.0)], [], ThresholdConfig("level", level=-1.0)) == -2.0

@@ -89,17 +89,17 @@ def burden_of(trials: Sequence[Trial], control_rate_hz: float) -> Burden:
     """Return what `trials` asked of the expert."""
     driving_steps = sum(trial.expert_steps for trial in trials)
     steps = sum(trial.steps for trial in trials)
-    turns = np.array([count for trial in trials for _, count in trial.turns])
+    turns_s = [count / control_rate_hz for trial in trials for _, count in trial.turns]
     counts = StepCounts(
         episodes=len(trials),
         steps=steps,
         driving_steps=driving_steps,
         active_s=steps / control_rate_hz,
         driving_s=driving_steps / control_rate_hz,
-        takeovers=len(turns),
+        takeovers=len(turns_s),
         labels=driving_steps,
     )
-    return Burden.of(counts, turns / control_rate_hz)
+    return Burden.of(counts, turns_s)
 
 
 def difference(

@@ -69,7 +69,7 @@ class TakeoversPlan:
     turns_s: tuple[float, ...] = (0.5, 1.0)
     """shortest turns of the expert that are tried"""
     levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.01, 0.03, 0.08)
-    """thresholds that are tried, see `watched.threshold_at`"""
+    """thresholds that are tried, see `level_threshold`"""
     takeovers: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
     """an episode that fails alone, at which gates and baselines are compared"""
     shares: tuple[float, ...] = (0.03, 0.05, 0.08, 0.13)

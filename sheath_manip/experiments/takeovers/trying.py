@@ -13,13 +13,14 @@ from sheath_manip.experiments.takeovers.schedules import Turns
 from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.stretch import Stretch, StretchEnvironment
 from sheath_manip.experiments.takeovers.trial import Trial
-from sheath_manip.experiments.takeovers.watched import Watched, threshold_at
+from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.gates.scheduled import ScheduledTakeovers
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.drivers import PolicyAlone
 from sheath_manip.protocols import Gate
 from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.request import Crew, EpisodeRequest, run_request
+from sheath_manip.support.calibration import level_threshold
 from sheath_manip.types import Episode
 
 
@@ -31,7 +32,7 @@ class GateChoice:
     """one of the plan's"""
     turn_s: float
     level: float
-    """see `threshold_at`"""
+    """see `level_threshold`"""
 
     @property
     def kind(self) -> str:
@@ -86,7 +87,7 @@ def try_gates(at: Watched, lot: str, choices: Sequence[GateChoice]) -> Iterator[
         scores = scores_alone(at, lot, choices[0].signal)
         held_out = np.load(at.held_out_path(choices[0].signal))
         for choice in choices:
-            threshold = threshold_at(held_out, choice.level)
+            threshold = level_threshold([held_out], choice.level)
             yield [
                 _under_gate(here, scene, alone, choice, threshold, scores[scene_key(scene)])
                 for scene, alone in episodes.items()

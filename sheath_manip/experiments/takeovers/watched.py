@@ -4,9 +4,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.takeovers.plan import METHOD, TakeoversPlan
@@ -123,16 +120,3 @@ class Watched:
         return self.learning.changed(
             gate={"signal": named, "release_rate": 0.0, "quiet_steps": 0, "minimum_hold_steps": 0}
         ).gate
-
-
-def threshold_at(held_out: NDArray[np.float64], level: float) -> float:
-    """Return the threshold of a level, by the (n,) scores of the expert's held-out steps.
-
-    From 0 on it is the score below which so large a share of them lies, 0 the lowest; below 0 it
-    lies so many times farther below the lowest as the lowest is below the median.
-    """
-    known = held_out[np.isfinite(held_out)]
-    lowest, middle = float(known.min()), float(np.median(known))
-    if level <= 0:
-        return lowest + level * max(middle - lowest, 1e-9)
-    return float(np.quantile(known, level))
