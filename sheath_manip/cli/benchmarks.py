@@ -7,7 +7,7 @@ from typing import Any
 
 from sheath_manip.cli.aside import move_aside
 from sheath_manip.cli.session import Session
-from sheath_manip.exceptions import UnknownNameError
+from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.rollout.executing import Executing
 
 
@@ -19,6 +19,8 @@ class Asked:
     """`full` or `quick`"""
     seeds: tuple[int, ...] | None
     """Seeds of the training runs, the plan's where None."""
+    tasks: tuple[str, ...] | None
+    """Tasks, the plan's where None."""
     executing: Executing
     runs: Path
     results: Path
@@ -66,6 +68,12 @@ def _run(
     plan = plans[asked.size]
     if asked.seeds is not None:
         plan = replace(plan, seeds=asked.seeds)
+    if asked.tasks is not None:
+        if not hasattr(plan, "tasks"):
+            raise ParameterError(
+                f"{name} runs on every task that has a plan for it; wanted no --tasks"
+            )
+        plan = replace(plan, tasks=asked.tasks)
     if asked.fresh:
         move_aside(asked.runs, session)
     run(

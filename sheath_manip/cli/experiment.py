@@ -28,13 +28,19 @@ class Benchmark(Comparing):
 
     seeds: Annotated[tuple[int, ...] | None, default_is("from the plan")] = None
     """seeds of the training runs"""
+    tasks: Annotated[tuple[str, ...] | None, default_is("from the plan")] = None
+    """tasks to run on; what the results of `takeovers` hold of others stays there"""
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
         if self.seeds == ():
             raise ParameterError("seeds is empty; wanted at least one")
+        if self.tasks == ():
+            raise ParameterError("tasks is empty; wanted at least one")
         runs, results = self.directories(self.task)
-        asked = Asked(self.size, self.seeds, self.executing(), runs, results, self.fresh)
+        asked = Asked(
+            self.size, self.seeds, self.tasks, self.executing(), runs, results, self.fresh
+        )
         BENCHMARKS[self.task](asked, session)
         return 0
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.exceptions import ParameterError, StoreError, UnknownNameError
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.benchmark import run_takeovers
 from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, Quota, TakeoversPlan
@@ -99,7 +99,7 @@ def trials_of(directory: Path) -> dict[str, bytes]:
     return {
         str(path.relative_to(runs)): path.read_bytes()
         for path in sorted(runs.rglob("*.json"))
-        if path.name != "wall.json"
+        if not path.name.startswith("wall")
         and "store" not in path.parts
         and "dagger" not in path.parts
         and "expert" not in path.parts
@@ -167,6 +167,20 @@ def test_workers_and_interruptions_change_nothing(whole, tmp_path, workers):
         (tmp_path / "runs" / "corridor" / name).unlink()
     benchmark(tmp_path, workers)
     assert trials_of(tmp_path) == trials_of(whole)
+
+
+def test_what_the_results_hold_of_other_tasks_stays(whole, tmp_path):
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "results" / "summary.json"
+    known = json.loads(file.read_text())["tasks"]["corridor"]
+    file.write_text(json.dumps({"experiment": "takeovers", "tasks": {"elsewhere": known}}))
+    found = benchmark(tmp_path, plan=replace(SMALL, tasks=("corridor",)))["tasks"]
+    assert found["elsewhere"] == known
+    assert found["corridor"]["targets"] == known["targets"]
+    assert found["corridor"]["run"]["tasks"] == ["corridor"]
+    file.write_text(json.dumps({"tasks": 3}))
+    with pytest.raises(StoreError, match="no result of takeovers"):
+        benchmark(tmp_path)
 
 
 def test_the_oracle_saves_what_the_policy_alone_loses(whole):

@@ -7,6 +7,7 @@ from typing import Any
 
 import jinja2
 
+from sheath_manip.experiments.takeovers.table import NAMES, wanted
 from sheath_manip.learning.flat_plans import upgraded
 from tools.docs import numbers
 from tools.docs.commands import command_line
@@ -32,6 +33,7 @@ NUMBERS = (
     numbers.takeovers_a_minute,
     numbers.uninformed,
     numbers.with_interval,
+    numbers.written,
 )
 
 
@@ -74,6 +76,7 @@ def _environment() -> jinja2.Environment:
     )
     environment.globals |= {function.__name__: function for function in NUMBERS}
     environment.globals |= {"theory_table": theory_table, "span": span, "arm_file": arm_file}
+    environment.globals |= {"takeover_names": NAMES, "takeover_target": wanted}
     return environment
 
 

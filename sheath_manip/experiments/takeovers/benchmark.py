@@ -14,7 +14,7 @@ from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.takeovers.figures import draw
 from sheath_manip.experiments.takeovers.jobs import AnyJob, stages
 from sheath_manip.experiments.takeovers.plan import TakeoversPlan
-from sheath_manip.experiments.takeovers.summary import summarise
+from sheath_manip.experiments.takeovers.summary import shown_before, summarise
 from sheath_manip.experiments.takeovers.table import tables
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.experiments.workers import in_stages, run_jobs
@@ -53,16 +53,18 @@ def run_takeovers(
         held = {**at.plan.settings(), "learning_plan": without_seeds(at.learning)}
         require_same_plan(held, at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
-    stopwatch = Stopwatch(runs / "wall.json")
+    # What is asked of some tasks alone takes a time of its own.
+    stopwatch = Stopwatch(runs / f"{'-'.join(['wall', *(plan.tasks or ())])}.json")
     jobs = stages(policies)
     units = sum(_units(job) for stage in jobs for job in stage)
     with shown_progress(console, units, stopwatch) as report:
         run_jobs(*in_stages(jobs), executing, report)
-    summary = summarise(policies, plan, command, stopwatch.tick(force=True))
-    write_json(results / "summary.json", summary)
+    file = results / "summary.json"
+    summary = summarise(policies, command, stopwatch.tick(force=True), shown_before(file))
+    write_json(file, summary)
     paths = draw(summary, results)
     console.print(tables(summary))
-    for path in (results / "summary.json", *paths):
+    for path in (file, *paths):
         console.print(f"  {path}")
     return summary
 

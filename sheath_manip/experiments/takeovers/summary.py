@@ -2,10 +2,13 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sheath_manip.exceptions import StoreError
+from sheath_manip.experiments.claims import read_summary
 from sheath_manip.experiments.summary import program
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.choosing import (
@@ -25,7 +28,7 @@ from sheath_manip.experiments.takeovers.jobs import (
     GATES,
     ORACLE,
 )
-from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH
 from sheath_manip.experiments.takeovers.trial import read_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice
 from sheath_manip.experiments.takeovers.watched import Watched
@@ -35,26 +38,39 @@ GATE = "gate"
 
 
 def summarise(
-    policies: Sequence[Watched], plan: TakeoversPlan, command: str, wall_s: float
+    policies: Sequence[Watched], command: str, wall_s: float, before: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return everything that the benchmark showed, as plain values; null stands for NaN.
 
-    Of each task: what each policy did alone, what tuning showed, which gate was chosen for each
-    target, and what gate, baselines and oracle came to on fresh scenes.
+    Of each task: the run that showed it, what each policy did alone, what tuning showed, which gate
+    was chosen for each target, and what gate, baselines and oracle came to on fresh scenes.
+
+    Args:
+        policies: of one or several tasks.
+        command: that this run goes by.
+        wall_s: that this run took.
+        before: what earlier runs showed of tasks, by name; kept where this run is not on them.
     """
-    tasks = dict.fromkeys(at.study.name for at in policies)
-    return plain(
-        {
-            "experiment": "takeovers",
-            "command": command,
-            "program": program(),
-            "wall_s": wall_s,
-            "plan": plan.described(),
-            "tasks": {
-                name: _of_task([at for at in policies if at.study.name == name]) for name in tasks
-            },
-        }
-    )
+    names = list(dict.fromkeys(at.study.name for at in policies))
+    run = {"command": command, "program": program(), "tasks": names, "wall_s": wall_s}
+    found = {
+        name: {"run": run, **_of_task([at for at in policies if at.study.name == name])}
+        for name in names
+    }
+    return plain({"experiment": "takeovers", "tasks": {**before, **found}})
+
+
+def shown_before(path: Path) -> dict[str, Any]:
+    """Return what a summary says of each task; nothing where there is no such file.
+
+    Raises StoreError for one that is none.
+    """
+    if not path.exists():
+        return {}
+    tasks = read_summary(path).get("tasks")
+    if not isinstance(tasks, dict):
+        raise StoreError(f"{path} holds no result of takeovers; wanted another --out, or it gone")
+    return tasks
 
 
 def _of_task(policies: Sequence[Watched]) -> dict[str, Any]:
@@ -66,6 +82,7 @@ def _of_task(policies: Sequence[Watched]) -> dict[str, Any]:
     baselines = _pooled(policies, alone, BASELINES)
     oracle = _pooled(policies, alone, ORACLE)[ORACLE]
     return {
+        "plan": plan.described(),
         "learning": first.learning.described(),
         "control_rate_hz": rate_hz,
         "policies": {
