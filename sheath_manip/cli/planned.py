@@ -76,10 +76,16 @@ def _read(verb: type[Planned], argv: Sequence[str]) -> Planned | None:
         required["task"] = tyro.MISSING
     words = [word for word in argv if word not in HELP]
     try:
-        # What is wrong with the line is told when it is read again.
-        return tyro.cli(
-            verb, args=words, default=verb(**required), console_outputs=False, registry=registry
+        # What is wrong with the line is told when it is read again, as the verb that it names.
+        read, _ = tyro.cli(
+            verb,
+            args=words,
+            default=verb(**required),
+            return_unknown_args=True,
+            console_outputs=False,
+            registry=registry,
         )
+        return read
     except (SystemExit, SheathError):
         return None
 
