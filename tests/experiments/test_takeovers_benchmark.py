@@ -5,7 +5,6 @@ import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -64,7 +63,7 @@ STUDY = replace(
     plans={
         "full": PLAN.changed(
             policy={"name": "hog-svm"},
-            gate={"embedding": "pixels", "precedent_embedding": "pixels"},
+            gate={"embedding": "pixels", "precedent_embedding": "pixels", "stuck_steps": 12},
             schedule={"demonstrations": 1, "calibration": 6, "false_alarm_episodes": 1},
         )
     },
@@ -147,8 +146,7 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
             expert=CachedExpert(at.task.expert(environment)),
         )
         assert Trial.of(episode, scene.failing) == trial
-        judging: Any = checkpoint.gate()
-        gate = RecallingGate(judging, alone.steps, scores[scene_key(scene)])
+        gate = RecallingGate(checkpoint.gate(), alone.steps, scores[scene_key(scene)])
         began_late += gate.first is not None and gate.first > 0
     assert began_late > 0
     environment.close()

@@ -1,7 +1,7 @@
 """A gate that goes on where the policy alone had come to: what it judged until then is recalled."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,13 @@ class Judging(Gate, Protocol):
     """A gate that asks a judge."""
 
     judge: Judge
+
+
+def judging(gate: Any) -> Judging:
+    """Return the gate that asks a judge: itself, or the one in it, or in that."""
+    while not hasattr(gate, "judge"):
+        gate = gate.gate
+    return gate
 
 
 class RecalledJudge:
@@ -44,16 +51,17 @@ class RecalledJudge:
 class RecallingGate:
     """A gate at the first step that is not the policy's, in an episode the policy had alone."""
 
-    def __init__(self, gate: Judging, steps: Sequence[Step], scores: NDArray[np.float64]) -> None:
+    def __init__(self, gate: Gate, steps: Sequence[Step], scores: NDArray[np.float64]) -> None:
         """Find where it takes over.
 
         Args:
-            gate: whose judge is replaced.
+            gate: whose judge is replaced, its own or that of the gate in it.
             steps: of the episode, T of them.
             scores: (T,) that the judge gives them.
         """
-        self._judge = RecalledJudge(gate.judge)
-        gate.judge = self._judge
+        asks = judging(gate)
+        self._judge = RecalledJudge(asks.judge)
+        asks.judge = self._judge
         self.gate = gate
         self.steps, self.scores = steps, scores
         self.first: int | None = None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.experiments.takeovers.alone import Alone, Scene, alone_on
-from sheath_manip.experiments.takeovers.recalled import Judging, RecallingGate
+from sheath_manip.experiments.takeovers.recalled import RecallingGate
 from sheath_manip.experiments.takeovers.schedules import Turns
 from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.stretch import Stretch, StretchEnvironment
@@ -131,10 +131,10 @@ def _under_gate(
     fitted = here.checkpoint.fitted
     hold = max(1, round(choice.turn_s * here.environment.spec.control_rate_hz))
     config = replace(fitted.config, minimum_hold_steps=hold, labels="own")
-    judging: Judging = replace(  # pyright: ignore[reportAssignmentType]
+    checkpoint = replace(
         here.checkpoint, fitted=replace(fitted, config=config, threshold=threshold)
-    ).gate()
-    gate = RecallingGate(judging, alone.steps, scores)
+    )
+    gate = RecallingGate(checkpoint.gate(), alone.steps, scores)
     if gate.first is None:
         return Trial.alone(alone, scene.failing)
     return Trial.of(here.goes_on(alone, gate.first, gate), scene.failing, gate.first)
