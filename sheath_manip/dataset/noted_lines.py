@@ -1,4 +1,4 @@
-"""A file of notes beside a store's episodes: lines with checksums, added by any number of processes.
+"""A file of notes beside a store's episodes: lines with checksums, which any process may add to.
 
 What is noted can be had again from the episodes, so nothing that goes wrong with the file is
 raised: a line that was cut off, or changed, is passed over.
