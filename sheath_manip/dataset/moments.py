@@ -64,9 +64,11 @@ class EpisodeMoments:
         """Return those of an episode, of whose arrays only `COLUMNS` are looked at."""
         margins = margins_of(arrays["score"], arrays["threshold"])
         taken = arrays["intervention"]
+        codes = [code for code, actor in enumerate(header.actors) if actor is Actor.POLICY]
+        near = (margins < NEAR) & np.isin(arrays["actor"], codes)
         return cls(
             tuple(_takeover(header, arrays, margins, *run) for run in runs_of(taken)),
-            _near_misses(margins, taken),
+            _near_misses(margins, near, taken),
         )
 
 
@@ -124,8 +126,9 @@ def _takeover(
     )
 
 
-def _near_misses(margins: NDArray, taken: NDArray[np.bool_]) -> tuple[NearMiss, ...]:
-    near = (margins < NEAR) & ~taken
+def _near_misses(
+    margins: NDArray, near: NDArray[np.bool_], taken: NDArray[np.bool_]
+) -> tuple[NearMiss, ...]:
     found = []
     for start, stop in runs_of(near):
         # The way into a takeover, or out of one, is told of by that.
