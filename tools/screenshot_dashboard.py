@@ -232,6 +232,7 @@ def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: 
             catalog,
             maker.film,
             maker.exported,
+            maker.clip,
             port=0,
             explainer=explainer,
             fitted=fitted,
