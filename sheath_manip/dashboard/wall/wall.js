@@ -39,7 +39,7 @@ function fill(tile, at) {
   line(moment.kind, "kind");
   words.firstChild.style.setProperty("--kind", settings.colours[moment.code]);
   line(moment.text || [moment.reason, moment.actor].filter(Boolean).join(" · ") || `ended as ${moment.outcome}`, "why");
-  line(`${moment.method} r${moment.round} · ${moment.outcome} · ${atS} s`, "where");
+  line(`${atS} s · ${moment.method} r${moment.round} · ${moment.outcome}`, "where");
   tile.append(picture, words);
   tile.title = `${moment.name}, step ${moment.step + 1} of ${moment.steps}` +
     (moment.margin === null ? "" : `, margin ${moment.margin.toFixed(2)}`);
