@@ -1,13 +1,14 @@
 """Take a picture of every tab of the live page and of the replay page, for each task.
 
     python -m tools.screenshot_dashboard DIRECTORY [--tasks driving platformer] [--expert]
-        [--checkpoint FILE --store DIRECTORY]
+        [--checkpoint FILE --store DIRECTORY] [--moments STORE ...]
 
 A policy drives under its gate until the expert has taken over; there the run is held, and headless
 Chromium takes the pictures; the same episode, recorded, is what the replay page shows. Then a
 person is the expert: the page as the robot asks for one, and as one drives. Without a checkpoint
 one is trained first by the task's plan `quick`, in a minute or more; with --expert there is no
-policy, and the expert is seen.
+policy, and the expert is seen. With --moments there is one picture alone: the wall of the moments
+of those stores, on a desk; and of it in a small window and on a phone.
 """
 
 import argparse
@@ -15,8 +16,9 @@ import io
 import sys
 import tempfile
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -33,8 +35,10 @@ from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.dashboard import Dashboard, Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
+from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.pacing import Pacing
@@ -52,6 +56,11 @@ MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4
 """of the episode in the picture, and of the intervention under way: enough to be seen"""
 LIVE_TABS = ("Run", "Why", "What if", "Learning")
 REPLAY_TABS = ("Episode", "Episodes", "Why", "What if", "Marks")
+WALL_SIZES = {
+    "moments-phone": (390, 844),
+    "moments-small": (1024, 768),
+    "moments": (1400, 900),
+}
 POSE_TIMEOUT_S = 1800.0
 """training included"""
 SETTLED_MS = 2500
@@ -107,13 +116,16 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
     for tab in tabs:
         page.get_by_role("tab", name=tab, exact=True).click()
         page.wait_for_timeout(SETTLED_MS)
-        png = page.screenshot(timeout=1000 * TIMEOUT_S)
-        # 256 colours are enough for what is drawn, at a third of the size.
-        image = Image.open(io.BytesIO(png)).convert("RGB")
-        method = Image.Quantize.FASTOCTREE
-        path = out / f"{name}-{tab.lower().replace(' ', '-')}.png"
-        image.quantize(256, method=method).save(path, optimize=True)
-        print(path)
+        keep(page, out / f"{name}-{tab.lower().replace(' ', '-')}.png")
+
+
+def keep(page: Page, path: Path) -> None:
+    """Write a picture of what the page shows."""
+    png = page.screenshot(timeout=1000 * TIMEOUT_S)
+    # 256 colours are enough for what is drawn, at a third of the size.
+    image = Image.open(io.BytesIO(png)).convert("RGB")
+    image.quantize(256, method=Image.Quantize.FASTOCTREE).save(path, optimize=True)
+    print(path)
 
 
 def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
@@ -223,6 +235,23 @@ def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: 
     explainer = None if adjusting is None else adjusting.explainer
     fitted = None if subject.checkpoint is None else subject.checkpoint.fitted
     catalog = EpisodeCatalog(EpisodeStore(folder / "recorded"))
+    with replayed(page, task, catalog, explainer, fitted) as replay:
+        film = replay.player.now.film
+        assert film is not None
+        turns = film.trace.so_far().turns or [(0, len(film))]
+        replay.player.look_at(sum(turns[-1]) // 2)
+        photograph(page, REPLAY_TABS, f"{task.name}-replay", options.out)
+
+
+@contextmanager
+def replayed(
+    page: Page,
+    task: Task,
+    catalog: EpisodeCatalog,
+    explainer: Explainer | None = None,
+    fitted: FittedGate | None = None,
+) -> Iterator[Replay]:
+    """The replay page of the last episode, opened."""
     shown: Future[Replay] = Future()
 
     def play() -> None:
@@ -243,18 +272,30 @@ def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: 
 
     with ThreadPoolExecutor(1) as pool:
         run = pool.submit(play)
+        wait_until(lambda: shown.done() or run.done(), "page", page)
+        if run.done():
+            run.result()
         replay = shown.result()
         try:
             open_dashboard(page, replay.address)
             wait_until(lambda: replay.player.now.film is not None, "film", page)
-            film = replay.player.now.film
-            assert film is not None
-            turns = film.trace.so_far().turns or [(0, len(film))]
-            replay.player.look_at(sum(turns[-1]) // 2)
-            photograph(page, REPLAY_TABS, f"{task.name}-replay", options.out)
+            yield replay
         finally:
             replay.player.close()
         run.result()
+
+
+def moments(page: Page, stores: Sequence[Path], out: Path) -> None:
+    """The wall of the moments of all `stores`, which are of one of the tasks here."""
+    catalog = EpisodeCatalog(*map(EpisodeStore, stores))
+    with replayed(page, TASKS[catalog.summary(0).info.task], catalog):
+        page.wait_for_function("window.sheathSeek?.open && window.sheathWall")
+        page.keyboard.press("o")
+        page.locator("#sheath-wall .tile img").first.wait_for()
+        for name, (width, height) in WALL_SIZES.items():
+            page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_timeout(SETTLED_MS)
+            keep(page, out / f"{name}.png")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -265,9 +306,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--expert", action="store_true", help="watch the expert, without a policy")
     parser.add_argument("--checkpoint", type=Path, help="of the policy and its gate, for one task")
     parser.add_argument("--store", type=Path, help="of the episodes that it was fitted to")
+    parser.add_argument("--moments", type=Path, nargs="+", help="stores for the wall alone")
     parser.add_argument("--scene", type=int, default=0, help="to begin with, from 0")
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
+    if options.moments:
+        with chromium_page() as page:
+            moments(page, options.moments, options.out)
+        return 0
     for name in options.tasks:
         with (
             tempfile.TemporaryDirectory() as folder,

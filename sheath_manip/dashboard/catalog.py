@@ -25,6 +25,8 @@ class EpisodeCatalog:
     def __init__(self, *stores: EpisodeReader) -> None:
         self.stores = stores
         self._lock = threading.Lock()
+        self.changes = 0
+        """how often anything was marked"""
         listed = [(store, summary) for store in stores for summary in store.infos()]
         self._summaries = [summary for _, summary in listed]
         self._sources = [(store, summary.name) for store, summary in listed]
@@ -77,6 +79,7 @@ class EpisodeCatalog:
         with self._lock:
             self._summaries[place] = summary
             self._marks[place] = marks
+            self.changes += 1
 
     def scored(self, most: int) -> list[ScoredEpisode]:
         """Return the scores of the latest episodes that have any, as they were judged.

@@ -10,26 +10,22 @@ function readTable(told) {
     method: (at) => word(episodes.method, moments.place[at]),
     store: (at) => told.stores[episodes.store[moments.place[at]]],
   };
+  const key = (at) => `${moments.place[at]}/${moments.step[at]}/${moments.kind[at]}`;
   const row = (at) => {
     const place = moments.place[at], step = moments.step[at];
     return {
-      place, step, key: `${place}/${step}/${moments.kind[at]}`, code: moments.kind[at],
+      place, step, key: key(at), code: moments.kind[at],
       margin: moments.margin[at], text: moments.text[at] ?? "",
       name: episodes.name[place], round: episodes.round[place], steps: episodes.steps[place],
       rateHz: episodes.rate_hz[place],
       ...Object.fromEntries(Object.entries(columns).map(([name, of]) => [name, of(at)])),
     };
   };
-  // What a text is looked for in; made once, at the first one.
-  let texts = null;
-  const textOf = (at) => {
-    texts ??= Array.from({ length: count }, (_, each) => [
-      episodes.name[moments.place[each]], moments.text[each] ?? "",
-      ...Object.values(columns).map((of) => of(each)),
-    ].join(" ").toLowerCase());
-    return texts[at];
-  };
-  return { count, columns, row, textOf };
+  // What a text is looked for in; made once, when it is first wanted.
+  const texts = new Array(count), all = Object.values(columns);
+  const textOf = (at) => texts[at] ??=
+    `${episodes.name[moments.place[at]]} ${moments.text[at] ?? ""} ${all.map((of) => of(at)).join(" ")}`.toLowerCase();
+  return { count, columns, key, row, textOf };
 }
 
 // The rows that fit all that is wanted: of each column one value, of the text every word.

@@ -1,5 +1,6 @@
 """All moments of all episodes, read once in the background, and told to the page in one answer."""
 
+import gzip
 import math
 import threading
 import time
@@ -26,6 +27,8 @@ class Shelf:
         self._catalog = catalog
         self._found = [_UNREAD] * len(catalog)
         self._read = self._damaged = 0
+        self._told: tuple[tuple[int, int], bytes] | None = None
+        """what was told last, and after how much was read and marked"""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="moments", daemon=True)
         self._thread.start()
@@ -46,8 +49,14 @@ class Shelf:
         return sorted(moments, key=lambda moment: moment.rank)
 
     def told(self) -> bytes:
-        """Return all that the page needs of moments and episodes, by column, as JSON."""
-        read, ranked = self._read, self._ranked_in_columns()
+        """Return all that the page needs of moments and episodes, by column, as JSON, zipped."""
+        at = self._read, self._catalog.changes
+        if self._told is None or self._told[0] != at:
+            self._told = at, gzip.compress(self._encoded(at[0]), 1)
+        return self._told[1]
+
+    def _encoded(self, read: int) -> bytes:
+        ranked = self._ranked_in_columns()
         facts = {
             "moments": ranked,
             "episodes": self._episodes(),
@@ -99,6 +108,8 @@ class Shelf:
             except StoreError:
                 # Gone while its page is open, which says so wherever it is looked at.
                 continue
+        # Ready for whoever opens the wall first.
+        self.told()
 
     def _take(
         self,

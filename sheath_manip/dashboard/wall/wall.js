@@ -66,7 +66,7 @@ function fill(tile, at) {
 function filter() {
   if (!told) return;
   found = matching(table, filters.wanted);
-  const at = found.findIndex((each) => table.row(each).key === chosenKey);
+  const at = found.findIndex((each) => table.key(each) === chosenKey);
   grid.show(found.length, Math.max(0, at));
   const many = (count) => count.toLocaleString("en");
   const read = told.read < told.of ? ` · reading ${many(told.read)} of ${many(told.of)} episodes` : ` in ${many(told.of)} episodes`;
@@ -81,7 +81,7 @@ async function read() {
   if (!answer?.ok) says.textContent = "the moments cannot be had: no connection";
   else {
     told = await answer.json();
-    chosenKey = found.length ? table.row(found[grid.chosen]).key : chosenKey;
+    chosenKey = found.length ? table.key(found[grid.chosen]) : chosenKey;
     table = readTable(told);
     filters.offer(table);
     filter();
@@ -91,6 +91,8 @@ async function read() {
 
 function reveal() {
   if (!dialog.open) dialog.showModal();
+  // Nobody sees what plays behind it.
+  window.sheathSeek?.send({ key: "stop" });
   wasOpened = false;
   grid.box.focus();
   read();
