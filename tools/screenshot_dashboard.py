@@ -16,14 +16,12 @@ import io
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
-from PIL import Image
 from playwright.sync_api import Page
 from rich.console import Console
 
@@ -33,13 +31,10 @@ from sheath_manip.cli.options import Address
 from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
-from sheath_manip.dashboard import Dashboard, Replay
+from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.catalog import EpisodeCatalog
-from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.gates.fitted import FittedGate
-from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.rollout.serial import SerialExecutor
@@ -49,7 +44,8 @@ from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
-from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
+from tools.chromium import chromium_page, open_dashboard, take_picture, wait_until
+from tools.replayed_page import replayed
 from tools.screenshot_subject import Subject, subject_of
 
 MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4
@@ -116,16 +112,7 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
     for tab in tabs:
         page.get_by_role("tab", name=tab, exact=True).click()
         page.wait_for_timeout(SETTLED_MS)
-        keep(page, out / f"{name}-{tab.lower().replace(' ', '-')}.png")
-
-
-def keep(page: Page, path: Path) -> None:
-    """Write a picture of what the page shows."""
-    png = page.screenshot(timeout=1000 * TIMEOUT_S)
-    # 256 colours are enough for what is drawn, at a third of the size.
-    image = Image.open(io.BytesIO(png)).convert("RGB")
-    image.quantize(256, method=Image.Quantize.FASTOCTREE).save(path, optimize=True)
-    print(path)
+        take_picture(page, out / f"{name}-{tab.lower().replace(' ', '-')}.png")
 
 
 def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
@@ -243,48 +230,6 @@ def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: 
         photograph(page, REPLAY_TABS, f"{task.name}-replay", options.out)
 
 
-@contextmanager
-def replayed(
-    page: Page,
-    task: Task,
-    catalog: EpisodeCatalog,
-    explainer: Explainer | None = None,
-    fitted: FittedGate | None = None,
-) -> Iterator[Replay]:
-    """The replay page of the last episode, opened."""
-    shown: Future[Replay] = Future()
-
-    def play() -> None:
-        maker, last = FilmMaker(task, None, catalog.read, catalog.summary), len(catalog) - 1
-        with Replay(
-            maker.spec(last),
-            catalog,
-            maker.film,
-            maker.exported,
-            maker.clip,
-            port=0,
-            explainer=explainer,
-            fitted=fitted,
-        ) as replay:
-            shown.set_result(replay)
-            replay.run(last)
-        maker.close()
-
-    with ThreadPoolExecutor(1) as pool:
-        run = pool.submit(play)
-        wait_until(lambda: shown.done() or run.done(), "page", page)
-        if run.done():
-            run.result()
-        replay = shown.result()
-        try:
-            open_dashboard(page, replay.address)
-            wait_until(lambda: replay.player.now.film is not None, "film", page)
-            yield replay
-        finally:
-            replay.player.close()
-        run.result()
-
-
 def moments(page: Page, stores: Sequence[Path], out: Path) -> None:
     """The wall of the moments of all `stores`, which are of one of the tasks here."""
     catalog = EpisodeCatalog(*map(EpisodeStore, stores))
@@ -295,7 +240,7 @@ def moments(page: Page, stores: Sequence[Path], out: Path) -> None:
         for name, (width, height) in WALL_SIZES.items():
             page.set_viewport_size({"width": width, "height": height})
             page.wait_for_timeout(SETTLED_MS)
-            keep(page, out / f"{name}.png")
+            take_picture(page, out / f"{name}.png")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
