@@ -153,14 +153,13 @@ class Player:
         return self._again
 
     def _load(self, place: int, step: int | None) -> None:
-        now = self._now
-        film = now.film
+        film = self._now.film
         # To look at another moment of the same one takes no reading.
-        if film is None or step is None or place != now.place:
+        if film is None or step is None or place != self._now.place:
             film = self._film_at(place)
-        self._set(place=place, film=film, at=0, playing=True, backwards=False, note=film.lacks)
-        if step is not None:
-            self._set(at=self._clamped(step), playing=False)
+        at = 0 if step is None else min(max(step, 0), max(len(film) - 1, 0))
+        playing = step is None
+        self._set(place=place, film=film, at=at, playing=playing, backwards=False, note=film.lacks)
 
     def _toggle(self) -> None:
         now, film = self._now, self._now.film
