@@ -85,17 +85,19 @@ class WallPages:
             place, step = map(int, strip.groups())
             return await self._beside(self._pictures, partial(self._strip, place, step))
         if asked := _CLIP.fullmatch(wanted):
-            return self._clip(Asked(*map(int, asked.groups()[:3]), asked[4]))
+            place, first, stop = map(int, asked.groups()[:3])
+            return self._clip(Asked(place, first, stop, asked[4]))
         return _line(HTTPStatus.NOT_FOUND, "There is nothing here.")
 
     async def _beside(self, pool: ThreadPoolExecutor, work: Callable[[], Response]) -> Response:
         try:
-            return await asyncio.get_running_loop().run_in_executor(pool, work)
+            working = asyncio.get_running_loop().run_in_executor(pool, work)
+        except RuntimeError:
+            return _line(HTTPStatus.SERVICE_UNAVAILABLE, "The page is being closed.")
+        try:
+            return await working
         except SheathError as error:
             return _line(HTTPStatus.NOT_FOUND, str(error))
-        except RuntimeError:
-            # The page is being closed.
-            return _line(HTTPStatus.SERVICE_UNAVAILABLE, "The page is being closed.")
 
     def _moments(self) -> Response:
         # Every browser that can run the page can unzip.
