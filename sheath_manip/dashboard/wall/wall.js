@@ -38,7 +38,7 @@ function fill(tile, at) {
   const line = (text, name) => words.append(Object.assign(document.createElement("div"), { textContent: text, className: name }));
   line(moment.kind, "kind");
   words.firstChild.style.setProperty("--kind", settings.colours[moment.code]);
-  line(moment.text || [moment.reason, moment.actor].filter(Boolean).join(" · ") || `ended as ${moment.outcome}`, "why");
+  line(moment.text || [moment.reason, moment.actor].filter(Boolean).join(" · ") || `after ${moment.steps} steps`, "why");
   line(`${atS} s · ${moment.method} r${moment.round} · ${moment.outcome}`, "where");
   tile.append(picture, words);
   tile.title = `${moment.name}, step ${moment.step + 1} of ${moment.steps}` +
