@@ -1,10 +1,12 @@
 """Headless Chromium on the dashboard, for browser tests and screenshots."""
 
+import io
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from sheath_manip.exceptions import SetupError
@@ -62,3 +64,12 @@ def wait_until(
             raise TimeoutError(f"no {what} within {timeout_s:.0f} s")
         # Not time.sleep, because the page's events are handled in here.
         page.wait_for_timeout(50)
+
+
+def take_picture(page: Page, path: Path) -> None:
+    """Write a picture of what the page shows."""
+    png = page.screenshot(timeout=1000 * TIMEOUT_S)
+    # 256 colours are enough for what is drawn, at a third of the size.
+    image = Image.open(io.BytesIO(png)).convert("RGB")
+    image.quantize(256, method=Image.Quantize.FASTOCTREE).save(path, optimize=True)
+    print(path)

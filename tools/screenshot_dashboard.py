@@ -1,13 +1,14 @@
 """Take a picture of every tab of the live page and of the replay page, for each task.
 
     python -m tools.screenshot_dashboard DIRECTORY [--tasks driving platformer] [--expert]
-        [--checkpoint FILE --store DIRECTORY]
+        [--checkpoint FILE --store DIRECTORY] [--moments STORE ...]
 
 A policy drives under its gate until the expert has taken over; there the run is held, and headless
 Chromium takes the pictures; the same episode, recorded, is what the replay page shows. Then a
 person is the expert: the page as the robot asks for one, and as one drives. Without a checkpoint
 one is trained first by the task's plan `quick`, in a minute or more; with --expert there is no
-policy, and the expert is seen.
+policy, and the expert is seen. With --moments there is one picture alone: the wall of the moments
+of those stores, on a desk; and of it in a small window and on a phone.
 """
 
 import argparse
@@ -21,7 +22,6 @@ from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
-from PIL import Image
 from playwright.sync_api import Page
 from rich.console import Console
 
@@ -31,11 +31,10 @@ from sheath_manip.cli.options import Address
 from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
-from sheath_manip.dashboard import Dashboard, Replay
+from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.playback.making import FilmMaker
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.rollout.serial import SerialExecutor
@@ -45,13 +44,19 @@ from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Actor, Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
-from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
+from tools.chromium import chromium_page, open_dashboard, take_picture, wait_until
+from tools.replayed_page import replayed
 from tools.screenshot_subject import Subject, subject_of
 
 MIN_STEPS, MIN_INTERVENTIONS, MIN_TURN_STEPS = 60, 2, 4
 """of the episode in the picture, and of the intervention under way: enough to be seen"""
 LIVE_TABS = ("Run", "Why", "What if", "Learning")
 REPLAY_TABS = ("Episode", "Episodes", "Why", "What if", "Marks")
+WALL_SIZES = {
+    "moments-phone": (390, 844),
+    "moments-small": (1024, 768),
+    "moments": (1400, 900),
+}
 POSE_TIMEOUT_S = 1800.0
 """training included"""
 SETTLED_MS = 2500
@@ -107,13 +112,7 @@ def photograph(page: Page, tabs: Sequence[str], name: str, out: Path) -> None:
     for tab in tabs:
         page.get_by_role("tab", name=tab, exact=True).click()
         page.wait_for_timeout(SETTLED_MS)
-        png = page.screenshot(timeout=1000 * TIMEOUT_S)
-        # 256 colours are enough for what is drawn, at a third of the size.
-        image = Image.open(io.BytesIO(png)).convert("RGB")
-        method = Image.Quantize.FASTOCTREE
-        path = out / f"{name}-{tab.lower().replace(' ', '-')}.png"
-        image.quantize(256, method=method).save(path, optimize=True)
-        print(path)
+        take_picture(page, out / f"{name}-{tab.lower().replace(' ', '-')}.png")
 
 
 def live(page: Page, task: Task, options: argparse.Namespace, folder: Path) -> Subject:
@@ -223,37 +222,25 @@ def recorded(page: Page, subject: Subject, options: argparse.Namespace, folder: 
     explainer = None if adjusting is None else adjusting.explainer
     fitted = None if subject.checkpoint is None else subject.checkpoint.fitted
     catalog = EpisodeCatalog(EpisodeStore(folder / "recorded"))
-    shown: Future[Replay] = Future()
+    with replayed(page, task, catalog, explainer, fitted) as replay:
+        film = replay.player.now.film
+        assert film is not None
+        turns = film.trace.so_far().turns or [(0, len(film))]
+        replay.player.look_at(sum(turns[-1]) // 2)
+        photograph(page, REPLAY_TABS, f"{task.name}-replay", options.out)
 
-    def play() -> None:
-        maker, last = FilmMaker(task, None, catalog.read, catalog.summary), len(catalog) - 1
-        with Replay(
-            maker.spec(last),
-            catalog,
-            maker.film,
-            maker.exported,
-            port=0,
-            explainer=explainer,
-            fitted=fitted,
-        ) as replay:
-            shown.set_result(replay)
-            replay.run(last)
-        maker.close()
 
-    with ThreadPoolExecutor(1) as pool:
-        run = pool.submit(play)
-        replay = shown.result()
-        try:
-            open_dashboard(page, replay.address)
-            wait_until(lambda: replay.player.now.film is not None, "film", page)
-            film = replay.player.now.film
-            assert film is not None
-            turns = film.trace.so_far().turns or [(0, len(film))]
-            replay.player.look_at(sum(turns[-1]) // 2)
-            photograph(page, REPLAY_TABS, f"{task.name}-replay", options.out)
-        finally:
-            replay.player.close()
-        run.result()
+def moments(page: Page, stores: Sequence[Path], out: Path) -> None:
+    """The wall of the moments of all `stores`, which are of one of the tasks here."""
+    catalog = EpisodeCatalog(*map(EpisodeStore, stores))
+    with replayed(page, TASKS[catalog.summary(0).info.task], catalog):
+        page.wait_for_function("window.sheathSeek?.open && window.sheathWall")
+        page.keyboard.press("o")
+        page.locator("#sheath-wall .tile img").first.wait_for()
+        for name, (width, height) in WALL_SIZES.items():
+            page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_timeout(SETTLED_MS)
+            take_picture(page, out / f"{name}.png")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -264,9 +251,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--expert", action="store_true", help="watch the expert, without a policy")
     parser.add_argument("--checkpoint", type=Path, help="of the policy and its gate, for one task")
     parser.add_argument("--store", type=Path, help="of the episodes that it was fitted to")
+    parser.add_argument("--moments", type=Path, nargs="+", help="stores for the wall alone")
     parser.add_argument("--scene", type=int, default=0, help="to begin with, from 0")
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
+    if options.moments:
+        with chromium_page() as page:
+            moments(page, options.moments, options.out)
+        return 0
     for name in options.tasks:
         with (
             tempfile.TemporaryDirectory() as folder,

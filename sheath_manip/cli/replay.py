@@ -32,6 +32,8 @@ class Replay:
 
     store: StoreAddress
     """directory of the episodes, or a URL"""
+    beside: tuple[str, ...] = ()
+    """directories or URLs of more episodes of the task, to choose moments from as well"""
     episode: str = "0"
     """episode to begin with: its name, or its place in `sheath data list`, from 0; -1 is the
     last"""
@@ -71,7 +73,7 @@ class Replay:
 
         store = open_store(self.store)
         place = store.names().index(chosen(store, self.episode))
-        catalog = EpisodeCatalog(store)
+        catalog = EpisodeCatalog(store, *map(open_store, self.beside))
         self._require_use_of_variant([each.info.variant for each in catalog.summaries], session)
         task = self._task(catalog.summaries[place].info.task, session)
         with self._maker(task, catalog) as maker:
@@ -155,6 +157,7 @@ class Replay:
             catalog,
             maker.film,
             maker.exported,
+            maker.clip,
             host=self.address.host,
             port=self.address.port,
             speed=self.speed,

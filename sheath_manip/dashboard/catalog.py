@@ -1,4 +1,4 @@
-"""The episodes of a store as the replay page lists them: by place, never by a path from outside."""
+"""The episodes of stores as the replay page lists them: by place, never by a path from outside."""
 
 import threading
 from collections import Counter
@@ -20,17 +20,20 @@ MOST_STATES_OF = 40
 
 
 class EpisodeCatalog:
-    """Reads and marks episodes of one store; a place is that of `sheath data list`."""
+    """Reads and marks episodes; a place is that of `sheath data list`, store after store."""
 
-    def __init__(self, store: EpisodeReader) -> None:
-        self._store = store
+    def __init__(self, *stores: EpisodeReader) -> None:
+        self.stores = stores
         self._lock = threading.Lock()
-        self._summaries = store.infos()
-        self._names = [summary.name for summary in self._summaries]
-        self._marks = [store.marks(name) for name in self._names]
+        self.changes = 0
+        """how often anything was marked"""
+        listed = [(store, summary) for store in stores for summary in store.infos()]
+        self._summaries = [summary for _, summary in listed]
+        self._sources = [(store, summary.name) for store, summary in listed]
+        self._marks = [store.marks(name) for store, name in self._sources]
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self._sources)
 
     @property
     def summaries(self) -> list[EpisodeSummary]:
@@ -43,38 +46,40 @@ class EpisodeCatalog:
         """The number of episodes that ended in each outcome."""
         return Counter(summary.outcome for summary in self.summaries)
 
-    def name(self, place: int) -> str:
-        """Return the name of the episode at `place`; raises ParameterError where there is none."""
-        if not 0 <= place < len(self._names):
+    def source(self, place: int) -> tuple[EpisodeReader, str]:
+        """Return store and name of an episode; raises ParameterError where there is none."""
+        if not 0 <= place < len(self):
             raise ParameterError(
-                f"there is no episode at place {place}; wanted 0 .. {len(self._names) - 1}"
+                f"there is no episode at place {place}; wanted 0 .. {len(self) - 1}"
             )
-        return self._names[place]
+        return self._sources[place]
 
     def summary(self, place: int) -> EpisodeSummary:
         """The episode at a glance, marks included."""
-        self.name(place)
+        self.source(place)
         with self._lock:
             return self._summaries[place]
 
     def read(self, place: int) -> Episode:
         """The episode as it was recorded."""
-        return self._store.read(self.name(place))
+        store, name = self.source(place)
+        return store.read(name)
 
     def kept(self, place: int) -> Marks:
         """Return the marks of an episode, as this catalog knows them."""
-        self.name(place)
+        self.source(place)
         with self._lock:
             return self._marks[place]
 
     def mark(self, place: int, marks: Marks) -> None:
         """Keep what is said of it; raises StoreError where its place does not."""
-        name = self.name(place)
-        self._store.mark(name, marks)
-        summary = self._store.summary(name)
+        store, name = self.source(place)
+        store.mark(name, marks)
+        summary = store.summary(name)
         with self._lock:
             self._summaries[place] = summary
             self._marks[place] = marks
+            self.changes += 1
 
     def scored(self, most: int) -> list[ScoredEpisode]:
         """Return the scores of the latest episodes that have any, as they were judged.
@@ -82,11 +87,11 @@ class EpisodeCatalog:
         Damaged episodes are passed over, too.
         """
         found = []
-        for name in self._names[-most:]:
+        for store, name in self._sources[-most:]:
             with suppress(StoreError):
-                header = self._store.header(name)
+                header = store.header(name)
                 (spec,) = (each for each in layout(header) if each.path == "score")
-                scores = self._store.array(name, spec)
+                scores = store.array(name, spec)
                 if np.isfinite(scores).any():
                     found.append(ScoredEpisode(scores, header.outcome is Outcome.FAILURE))
         return found
@@ -97,9 +102,9 @@ class EpisodeCatalog:
         Damaged episodes are passed over: who looks at another one need not care.
         """
         episodes = []
-        for name in self._names[:MOST_STATES_OF]:
+        for store, name in self._sources[:MOST_STATES_OF]:
             with suppress(StoreError):
-                episodes.append(self._store.read(name, need_images=False))
+                episodes.append(store.read(name, need_images=False))
         try:
             return samples_from(episodes)
         except ParameterError:

@@ -1,17 +1,21 @@
-"""The script that each page gets: the parts in `station/`, in one function of their own."""
+"""The scripts that each page gets: the parts in a folder, in one function of their own."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-_FOLDER = Path(__file__).with_name("station")
+_STATION = Path(__file__).with_name("station")
 _PARTS = ("keyboard", "gamepad", "notice", "attention", "deck", "naming", "station")
-"""the last one uses the others"""
 
 
 def page_script(settings: Mapping[str, Any]) -> str:
     """JavaScript that runs in the page; `settings` are what its parts find under that name."""
-    given = dict(settings) | {"style": (_FOLDER / "station.css").read_text()}
-    parts = "\n".join((_FOLDER / f"{name}.js").read_text() for name in _PARTS)
-    return f'(function (settings) {{\n"use strict";\n{parts}\n}})({json.dumps(given)})'
+    style = (_STATION / "station.css").read_text()
+    return bundled(_STATION, _PARTS, dict(settings) | {"style": style})
+
+
+def bundled(folder: Path, parts: Sequence[str], settings: Mapping[str, Any]) -> str:
+    """Return the `parts` of a `folder` as one piece of JavaScript; the last one uses the others."""
+    sources = "\n".join((folder / f"{name}.js").read_text() for name in parts)
+    return f'(function (settings) {{\n"use strict";\n{sources}\n}})({json.dumps(settings)})'

@@ -60,9 +60,9 @@ class Player:
         """What is on."""
         return self._now
 
-    def load(self, place: int) -> None:
-        """Put on the episode at `place`, from its beginning."""
-        self.do(lambda: self._load(place), "reading the episode …")
+    def load(self, place: int, step: int | None = None) -> None:
+        """Put on the episode at `place`, from its beginning; or stand at that `step`, clamped."""
+        self.do(lambda: self._load(place, step), "reading the episode …")
 
     def look_at(self, step: int) -> None:
         """Go to that step, clamped, and stay there."""
@@ -152,9 +152,14 @@ class Player:
             self._set(at=0)
         return self._again
 
-    def _load(self, place: int) -> None:
-        film = self._film_at(place)
-        self._set(place=place, film=film, at=0, playing=True, backwards=False, note=film.lacks)
+    def _load(self, place: int, step: int | None) -> None:
+        film = self._now.film
+        # To look at another moment of the same one takes no reading.
+        if film is None or step is None or place != self._now.place:
+            film = self._film_at(place)
+        at = 0 if step is None else min(max(step, 0), max(len(film) - 1, 0))
+        playing = step is None
+        self._set(place=place, film=film, at=at, playing=playing, backwards=False, note=film.lacks)
 
     def _toggle(self) -> None:
         now, film = self._now, self._now.film

@@ -18,6 +18,8 @@ from sheath_manip.dashboard.seek_socket import SeekSocket
 from sheath_manip.dashboard.seeking import ReplaySeeking
 from sheath_manip.dashboard.server import GuardedServer
 from sheath_manip.dashboard.snapshot import snapshot_of
+from sheath_manip.dashboard.wall.clips import Clipping
+from sheath_manip.dashboard.wall.pages import WallPages
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.dashboard.widgets.export import Exporting
 from sheath_manip.gates.fitted import FittedGate
@@ -38,6 +40,7 @@ class Replay(Closes):
         catalog: EpisodeCatalog,
         film_at: Callable[[int], Film],
         exporting: Exporting,
+        clipping: Clipping,
         host: str = "127.0.0.1",
         port: int = 8080,
         token: str | None = None,
@@ -51,8 +54,9 @@ class Replay(Closes):
         Args:
             spec: of the episodes' task.
             catalog: the episodes.
-            film_at: reads one; called by `run` alone, as `exporting` is.
+            film_at: reads one; called by `run` alone, as `exporting` and `clipping` are.
             exporting: makes a file of one.
+            clipping: makes a file of some steps of one.
             host: address to listen on.
             port: 0 takes any free one.
             token: that lets a browser in; a random one by default.
@@ -70,9 +74,16 @@ class Replay(Closes):
         cockpit.close()
         seeking = SeekSocket(has_keys=True)
         label = f"sheath · {spec.name}"
-        self._server = GuardedServer.open(host, port, token, label, cockpit, seeking=seeking)
+        self.player = Player(film_at, self._wake, speed, again)
+        self._wall = WallPages(catalog, self.player, clipping)
+        try:
+            self._server = GuardedServer.open(
+                host, port, token, label, cockpit, seeking=seeking, wall=self._wall
+            )
+        except BaseException:
+            self._wall.close()
+            raise
         self._drawer = Drawer(self._draw, self._show_trouble, DRAW_RATE_HZ)
-        self.player = Player(film_at, self._drawer.wake, speed, again)
         seeking.target = ReplaySeeking(self.player, catalog)
         context = WidgetContext(self._server.viser, spec, self._drawer.wake)
         self._explainer = explainer or Explainer(spec)
@@ -98,8 +109,13 @@ class Replay(Closes):
         """Stop playing and take the page down."""
         self.player.close()
         self._drawer.close()
+        self._wall.close()
         self._explainer.close()
         self._server.close()
+
+    def _wake(self) -> None:
+        # Nothing plays before there is somebody to draw it.
+        self._drawer.wake()
 
     def _read_scores(self) -> None:
         self._scored = self._catalog.scored(MOST_SCORED)

@@ -53,6 +53,8 @@ function (settings) {
   };
   function press(event) {
     if (!settings.keys || event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+    // What lies over the page has keys of its own.
+    if (document.querySelector("dialog[open]")) return;
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     let message = keys[name];
     if (!message && name !== "m") return;
@@ -96,6 +98,7 @@ function (settings) {
   connect();
 
   window.sheathSeek = {
+    send,
     get open() { return socket?.readyState === WebSocket.OPEN; },
     close() {
       closed = true;

@@ -40,8 +40,8 @@ class Seeks(Protocol):
         """Do what a key says: `toggle`, `stop`, `backwards`, `forwards`, `before` or `after`."""
         ...
 
-    def load(self, place: int) -> None:
-        """Show the episode at that place; there may be none."""
+    def load(self, place: int, step: int | None) -> None:
+        """Show the episode at that place, and stand at that step of it; there may be none."""
         ...
 
     def note(self, text: str) -> None:
@@ -97,13 +97,13 @@ def _said(raw: str | bytes) -> SeekMessage | None:
 
 
 def _follow(target: Seeks, said: SeekMessage) -> None:
-    if said.step is not None:
+    if said.episode is not None:
+        target.load(said.episode, said.step)
+    elif said.step is not None:
         target.look_at(said.step)
     if said.nudge is not None:
         target.nudge(said.nudge)
     if said.key is not None:
         target.press(said.key)
-    if said.episode is not None:
-        target.load(said.episode)
     if said.note is not None:
         target.note(said.note)

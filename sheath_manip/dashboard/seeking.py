@@ -24,7 +24,7 @@ class RunSeeking:
     def press(self, name: str) -> None:
         """Do nothing: the keys are the operator's."""
 
-    def load(self, place: int) -> None:
+    def load(self, place: int, step: int | None) -> None:
         """Do nothing: a run has one episode at a time."""
 
     def note(self, text: str) -> None:
@@ -58,10 +58,10 @@ class ReplaySeeking:
             case "before" | "after":
                 self._jump(name == "after")
 
-    def load(self, place: int) -> None:
+    def load(self, place: int, step: int | None) -> None:
         """Show the episode at that place, where there is one."""
         if place < len(self._catalog):
-            self._player.load(place)
+            self._player.load(place, step)
 
     def note(self, text: str) -> None:
         """Keep a note of the step that is shown; an empty one takes it away."""

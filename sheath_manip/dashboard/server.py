@@ -5,7 +5,7 @@ import contextlib
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, NoReturn
@@ -24,6 +24,8 @@ from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
 from sheath_manip.dashboard.operator_socket import Looks, OperatorSocket, station_of
 from sheath_manip.dashboard.paced_connection import PacedConnection
 from sheath_manip.dashboard.seek_socket import SeekSocket
+from sheath_manip.dashboard.wall import pages
+from sheath_manip.dashboard.wall.pages import WallPages
 from sheath_manip.exceptions import ParameterError, SetupError
 
 MIN_TOKEN_LENGTH = 8
@@ -60,12 +62,14 @@ class GuardedServer:
         cockpit: Cockpit,
         true_s: Callable[[], float] | None = None,
         seeking: SeekSocket | None = None,
+        wall: WallPages | None = None,
     ) -> "GuardedServer":
         """Listen on `host` and `port` (0: any free one) and build the server on top.
 
         Each page gets the script by which a person operates `cockpit`. `true_s` is up to when what
         was drawn is true (`time.monotonic`): who drives by what is too old is not heard. None is
-        for pages that show nothing of the present. By `seeking` a page moves in time.
+        for pages that show nothing of the present. By `seeking` a page moves in time; `wall` is
+        what recorded moments are chosen from.
 
         Raises:
             SetupError: the port is taken, or the host is not one of this machine.
@@ -81,7 +85,7 @@ class GuardedServer:
         inspection, operators = Inspection(), OperatorSocket(cockpit, label)
         seeking = seeking or SeekSocket()
         try:
-            with _wrapped_serve(access, listener, inspection, operators, seeking), _quiet():
+            with _wrapped_serve(access, listener, inspection, operators, seeking, wall), _quiet():
                 server = viser.ViserServer(host=host, port=access.port, label=label, verbose=False)
         except BaseException:
             listener.close()
@@ -90,7 +94,7 @@ class GuardedServer:
         loop = server._websock_server._background_event_loop
         assert loop is not None
         server_log.quieten(loop)
-        _give_script(server, operators, true_s, seeking)
+        _give_script(server, operators, true_s, [seeking.script, *([wall.script] if wall else [])])
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
             server._websock_server.unregister_handler(message)
@@ -133,11 +137,12 @@ def _wrapped_serve(
     inspection: Inspection,
     operators: OperatorSocket,
     seeking: SeekSocket,
+    wall: WallPages | None,
 ) -> Iterator[None]:
     """While viser starts, put the guards in front of the one server that it opens, on `listener`.
 
     `access` says who comes in, `inspection` what viser hears of those, and `operators` serves the
-    page's own websocket beside viser's, as `seeking` does another.
+    page's own websocket beside viser's, as `seeking` does another; `wall` gives files.
     """
     serve: Any = websockets.asyncio.server.serve
     used = False
@@ -162,13 +167,15 @@ def _wrapped_serve(
                 finally:
                     marking.cancel()
 
-        def check_first(connection: Any, request: Request) -> Response | None:
+        def check_first(connection: Any, request: Request) -> Response | Awaitable[Response] | None:
             refused = access.answer(request)
             if refused is not None:
                 return refused
             below = Request(access.inside(request), request.headers)
             if "Upgrade" in request.headers and below.path not in SOCKETS:
                 return connection.respond(HTTPStatus.NOT_FOUND, "Here is no websocket.")
+            if wall is not None and below.path.startswith(pages.PATH):
+                return wall.answer(below)
             return process_request(connection, below)
 
         def harden_last(_: Any, request: Request, response: Response) -> None:
@@ -226,7 +233,7 @@ def _give_script(
     server: viser.ViserServer,
     operators: OperatorSocket,
     true_s: Callable[[], float] | None,
-    seeking: SeekSocket,
+    scripts: Sequence[Callable[[], str]],
 ) -> None:
     sockets, buffer = server._websock_server, server._websock_server.get_message_buffer()
 
@@ -244,7 +251,8 @@ def _give_script(
             return None if waiting or true_s is None else true_s()
 
         run(operators.script(page))
-        run(seeking.script())
+        for script in scripts:
+            run(script())
         connection: Any = sockets._live_connections.get(page)
         if connection is not None and true_s is not None:
             mark = "window.sheathOperator?.saw({})".format

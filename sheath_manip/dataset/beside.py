@@ -6,9 +6,14 @@ from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.index import INDEX
 from sheath_manip.dataset.marker import MARKER
 from sheath_manip.dataset.marks import is_marks_name
+from sheath_manip.dataset.moment_notes import NOTES
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.places import is_episode
 from sheath_manip.dataset.rooted_files import kind_of
+
+THUMBNAILS = "sheath-thumbnails"
+"""a folder of pictures, which are made anew where it is deleted"""
+_OWN = (MARKER, INDEX, NOTES, THUMBNAILS)
 
 
 def faults_beside_episodes(store: Path) -> list[Fault]:
@@ -22,7 +27,7 @@ def faults_beside_episodes(store: Path) -> list[Fault]:
         elif odd:
             text = f"{odd}, which is not followed; put there what it stands for, or delete it"
             faults.append(Fault(entry.name, FaultKind.ODD_FILE, text))
-        elif not (entry.name in (MARKER, INDEX) or is_marks_name(entry.name) or is_episode(entry)):
+        elif not (entry.name in _OWN or is_marks_name(entry.name) or is_episode(entry)):
             text = "neither an episode nor the store's own; move it away"
             faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
     return faults

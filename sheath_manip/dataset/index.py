@@ -10,10 +10,7 @@ anew and puts it in the place of the old one. Deleting it costs a listing its sp
 
 import hashlib
 import json
-import os
-import zlib
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +23,7 @@ from sheath_manip.dataset.glance import (
     summary_from_json,
     summary_to_json,
 )
-from sheath_manip.dataset.rooted_files import read_inside
-from sheath_manip.files.outputs import written_aside
+from sheath_manip.dataset.noted_lines import NotedLines
 
 INDEX = "sheath-index.jsonl"
 MOST_INDEX_BYTES = 256 << 20
@@ -43,13 +39,9 @@ class EpisodeIndex:
     """The index in a store's directory; nothing that goes wrong with it is raised."""
 
     def __init__(self, store: Path) -> None:
-        self._store = store
-        self._inode, self._size = 0, 0
-        """of the file that was added to last"""
+        self._lines = NotedLines(store, INDEX, MOST_INDEX_BYTES)
         self._told = set[str]()
-        """the specs that were written to that one, by their digests"""
-        self._lines = 0
-        """when it was read"""
+        """the specs that the file has, by their digests"""
 
     def note(self, at: Signature, summary: EpisodeSummary) -> None:
         """Add an episode that was written, or found, as the file `at`."""
@@ -57,72 +49,45 @@ class EpisodeIndex:
 
     def read(self) -> dict[str, Noted]:
         """Return what is noted of each episode, by its name: marks are not."""
-        try:
-            content = read_inside(self._store, INDEX, MOST_INDEX_BYTES)
-        except OSError:
-            content = b""
-        lines = content.split(b"\n")
         specs, found = dict[str, RecordedSpec](), dict[str, Noted]()
-        for line in filter(_is_whole, lines):
+        for told in self._lines.read():
             try:
-                _take(json.loads(line[9:]), specs, found)
+                _take(told, specs, found)
             # A line that is whole may still be another version's, or anybody's.
             except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
                 continue
-        self._lines = len(lines)
         return found
 
     def bring_up(self, noted: Mapping[str, Noted], new: Iterable[str]) -> None:
         """Keep what is known of all episodes after `read`, of which those named `new` are new."""
-        if self._lines > 2 * len(noted) + _FEW:
-            self._write(noted.values())
+        if self._lines.count > 2 * len(noted) + _FEW:
+            self._lines.write(_lines(noted.values(), set()))
         else:
             self._add(noted[name] for name in new)
 
     def _add(self, noted: Iterable[Noted]) -> None:
         waiting = list(noted)
-        if not waiting:
-            return
-        with suppress(OSError):
-            flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
-            descriptor = os.open(self._store / INDEX, flags, 0o644)
-            try:
-                status = os.fstat(descriptor)
-                if status.st_ino != self._inode or status.st_size < self._size:
-                    # Another file, which nothing has been told yet.
-                    self._told = set()
-                # What another process did not bring to its end ends here.
-                text = b"\n" + b"\n".join(_lines(waiting, self._told))
-                os.write(descriptor, text)
-                self._inode, self._size = status.st_ino, status.st_size + len(text)
-            finally:
-                os.close(descriptor)
 
-    def _write(self, noted: Iterable[Noted]) -> None:
-        with suppress(OSError), written_aside(self._store / INDEX) as aside:
-            aside.write_bytes(b"\n".join(_lines(noted, set())))
+        def told(is_new: bool) -> list[Any]:
+            if is_new:
+                self._told = set()
+            return _lines(waiting, self._told)
+
+        if waiting:
+            self._lines.add(told)
 
 
-def _lines(noted: Iterable[Noted], told: set[str]) -> list[bytes]:
-    lines = []
+def _lines(noted: Iterable[Noted], told: set[str]) -> list[Any]:
+    lines = list[Any]()
     for at, summary in noted:
         spec = json.dumps(spec_to_json(summary.spec), sort_keys=True)
         digest = hashlib.sha256(spec.encode()).hexdigest()[:16]
         if digest not in told:
             told.add(digest)
-            lines.append(_line([_SCHEMA, digest, json.loads(spec)]))
+            lines.append([_SCHEMA, digest, json.loads(spec)])
         place = [at.inode, at.bytes, at.changed_ns]
-        lines.append(_line([_SCHEMA, digest, summary.name, place, *summary_to_json(summary)]))
+        lines.append([_SCHEMA, digest, summary.name, place, *summary_to_json(summary)])
     return lines
-
-
-def _line(told: list[Any]) -> bytes:
-    text = json.dumps(told, allow_nan=False).encode()
-    return f"{zlib.crc32(text):08x} ".encode() + text
-
-
-def _is_whole(line: bytes) -> bool:
-    return len(line) > 9 and line[:8] == f"{zlib.crc32(line[9:]):08x}".encode()
 
 
 def _take(told: Any, specs: dict[str, RecordedSpec], found: dict[str, Noted]) -> None:

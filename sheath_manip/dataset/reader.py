@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
+from pathlib import Path
 
 from numpy.typing import NDArray
 
@@ -14,6 +15,7 @@ from sheath_manip.dataset.group import Content, blocks, read_array, require_memo
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import MOST_CHUNK_BYTES, ArraySpec, layout
 from sheath_manip.dataset.marks import Marks, learnable
+from sheath_manip.dataset.moments import COLUMNS, EpisodeMoments
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import episode_from, require_sound
 from sheath_manip.exceptions import StoreError
@@ -30,6 +32,11 @@ class EpisodeReader(ABC):
     @abstractmethod
     def address(self) -> str:
         """The address of the store: a directory or a URL."""
+
+    @property
+    def folder(self) -> Path | None:
+        """The directory of this machine that the episodes lie in; None where they lie elsewhere."""
+        return None
 
     @abstractmethod
     def names(self) -> list[str]:
@@ -136,6 +143,14 @@ class EpisodeReader(ABC):
                 yield self.summary(name)
             except StoreError as error:
                 yield error
+
+    def moments(self, name: str) -> EpisodeMoments:
+        """Return the episode's takeovers and near misses; raises StoreError where it is damaged."""
+        header = self.header(name)
+        specs = [spec for spec in layout(header) if spec.path in COLUMNS]
+        with self.opened(name) as content:
+            arrays = {spec.path: read_array(name, spec, content) for spec in specs}
+        return EpisodeMoments.of(header, arrays)
 
     def infos(self) -> list[EpisodeSummary]:
         """Return all episodes at a glance, sorted by name; raises StoreError as `summary` does."""

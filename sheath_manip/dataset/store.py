@@ -26,13 +26,7 @@ from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.index import EpisodeIndex
 from sheath_manip.dataset.listing import indexed_summaries
 from sheath_manip.dataset.marker import bring_up_marker, require_marker, write_marker
-from sheath_manip.dataset.marks import (
-    Marks,
-    marks_faults,
-    marks_path,
-    read_marks,
-    write_marks,
-)
+from sheath_manip.dataset.marks import Marks, marks_faults, marks_path, read_marks, write_marks
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.places import (
     Listed,
@@ -72,6 +66,11 @@ class EpisodeStore(EpisodeReader):
     def address(self) -> str:
         """The directory, as it was given."""
         return str(self.path)
+
+    @property
+    def folder(self) -> Path:
+        """The directory."""
+        return self.path
 
     @classmethod
     def create(cls, path: str | Path) -> "EpisodeStore":

@@ -9,6 +9,7 @@ from sheath_manip.dataset.compatibility import Alike, RecordedSpec, require_comp
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.reader import EpisodeSummary
 from sheath_manip.exceptions import ParameterError, StoreError
+from sheath_manip.playback.clip import clip
 from sheath_manip.playback.film import Film, film_of
 from sheath_manip.playback.frames import Pictures, frames, seen
 from sheath_manip.playback.page import html
@@ -70,6 +71,11 @@ class FilmMaker:
         """A file of the episode at `place`, `mp4` or `html`: its name and its content."""
         film = self.film(place)
         return exported(film, self._pictures(film), kind)
+
+    def clip(self, place: int, first: int, stop: int, kind: str) -> tuple[str, bytes]:
+        """A file of some steps of the episode at `place`, as `playback.clip` makes it."""
+        film = self.film(place)
+        return clip(film, self._pictures(film), first, stop, kind)
 
     def close(self) -> None:
         """Free the simulator."""

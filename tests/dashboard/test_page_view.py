@@ -13,6 +13,7 @@ from sheath_manip.dashboard import Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.marks import Marks, Note
 from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.playback.clip import clip
 from sheath_manip.playback.film import film_of
 from sheath_manip.playback.making import exported
 from sheath_manip.types import Outcome
@@ -47,6 +48,7 @@ def replay(store: EpisodeStore) -> Iterator[Replay]:
         catalog,
         film_at,
         lambda place, kind: exported(film_at(place), None, kind),
+        lambda place, *rest: clip(film_at(place), None, *rest),
         port=0,
         token=TOKEN,
     ) as page:

@@ -58,7 +58,7 @@ def test_a_run_is_looked_back_into_within_its_steps() -> None:
         assert playhead.shown[1:] == (shown, False)
     seeking.nudge(2)
     seeking.press("stop")
-    seeking.load(0)
+    seeking.load(0, 3)
     seeking.note("")
     assert playhead.shown is not None
     assert playhead.shown[1] == 2

@@ -18,6 +18,7 @@ ALIKE = {
     "person": ("platformer: median",),
     "platformer": ("expert",),
     "scale": (),
+    "wall": (),
 }
 """by bench, beginnings of the lines that hold on any machine and at any size"""
 

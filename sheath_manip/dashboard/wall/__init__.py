@@ -1,0 +1,1 @@
+"""The wall of moments: what went wrong, nearly went wrong or was marked, worst first."""

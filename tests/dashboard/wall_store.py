@@ -1,0 +1,48 @@
+"""Episodes on the ring road that a wall has something to tell of."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from sheath_manip.dashboard import Replay
+from sheath_manip.dashboard.catalog import EpisodeCatalog
+from sheath_manip.dataset.marks import Marks
+from sheath_manip.dataset.store import EpisodeStore
+from sheath_manip.playback.clip import clip
+from sheath_manip.playback.film import Film, film_of
+from sheath_manip.playback.making import exported
+from sheath_manip.types import Outcome
+from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive
+
+STEPS = 60
+OUTCOMES = (Outcome.FAILURE, Outcome.TIME_LIMIT, Outcome.SUCCESS, Outcome.SUCCESS)
+NOTE = "slips <b>here</b>"
+
+
+def wall_store(path: Path) -> EpisodeStore:
+    """One episode of each of OUTCOMES, of two methods; the last one has a note at its step 5."""
+    store = EpisodeStore.create(path)
+    whole = drive(RingRoad(), STEPS)
+    for index, outcome in enumerate(OUTCOMES):
+        method = "sheath" if index % 2 == 0 else "dagger"
+        info = replace(whole.info, index=index, method=method)
+        store.append(replace(whole, info=info, outcome=outcome))
+    store.mark(EpisodeCatalog(store).source(0)[1], Marks().with_note(5, NOTE))
+    return store
+
+
+def replay_of(*stores: EpisodeStore) -> Replay:
+    """The replay page of what was driven on the ring road."""
+    catalog, environment = EpisodeCatalog(*stores), RingRoad()
+
+    def film_at(place: int) -> Film:
+        return film_of(environment, catalog.read(place))
+
+    return Replay(
+        SPEC,
+        catalog,
+        film_at,
+        lambda place, kind: exported(film_at(place), None, kind),
+        lambda place, *rest: clip(film_at(place), None, *rest),
+        port=0,
+        token=TOKEN,
+    )
