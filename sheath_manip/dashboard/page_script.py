@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 _FOLDER = Path(__file__).with_name("station")
-_PARTS = ("keyboard", "gamepad", "notice", "attention", "deck", "naming", "station")
+_PARTS = ("keyboard", "gamepad", "notice", "attention", "deck", "naming", "robots", "station")
 """the last one uses the others"""
 
 
