@@ -8,7 +8,8 @@ from pathlib import Path
 class Stopwatch:
     """Counts the seconds since it was made, without those that were spent waiting for a core.
 
-    Of this process, and of those with the `others`' numbers that take part in what is promised. So a promise in seconds is judged by what the program does: computing, sleeping and waiting for
+    Of this process, and of the `others` (by their number) that take part in what is promised. So a
+    promise in seconds is judged by what the program does: computing, sleeping and waiting for
     another thread count in full. Where the kernel does not tell of waiting, all of it counts.
     """
 

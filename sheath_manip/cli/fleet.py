@@ -17,7 +17,7 @@ from sheath_manip.dataset.background import BackgroundRecorder
 from sheath_manip.dataset.compatibility import RecordedSpec
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.store import EpisodeStore
-from sheath_manip.exceptions import ParameterError, WorkerError
+from sheath_manip.exceptions import WorkerError
 from sheath_manip.fleet.fleet import Fleet, Ran
 from sheath_manip.fleet.fleet_cockpit import FleetCockpit
 from sheath_manip.metrics import EpisodeRecord, endings_line, record_of
@@ -102,14 +102,9 @@ def run_fleet(
 ) -> int:
     """Run the requests at so many robots, then print what each of them showed and asked.
 
-    `prepare` is called with the page before anything runs. Raises ParameterError for more robots
-    than episodes, and WorkerError at the end where episodes are lost.
+    `prepare` is called with the page before anything runs. Raises WorkerError at the end where
+    episodes are lost.
     """
-    if robots > len(requests):
-        raise ParameterError(
-            f"robots is {robots}, and there are {len(requests)} episodes; wanted at least one "
-            f"episode for each, such as --episodes {robots}"
-        )
     post = operating.post(task, float("inf"))
     if store is not None:
         store.require_fits(RecordedSpec.of_task(post.spec), "what is to be recorded")

@@ -62,7 +62,11 @@ class Run:
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""
         at_least_one("episodes", self.episodes)
-        at_least_one("robots", self.robots)
+        if at_least_one("robots", self.robots) > self.episodes:
+            raise ParameterError(
+                f"robots is {self.robots}, and episodes {self.episodes}; wanted at least one "
+                f"episode for each, such as --episodes {self.robots}"
+            )
         task = session.runnable(self.task)
         if self.expert == PERSON:
             return self._with_a_person(task, session)

@@ -118,7 +118,7 @@ class Dashboard(Closes):
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene; blocks while the person holds the run paused."""
         self._film = film_begun(environment, info)
-        self.show(self._film)
+        self._playhead.load(self._film)
         self.cockpit.between.note_episode(runs=True)
         # Else a run that was paused, or stopped and reset, between two episodes would begin.
         self.cockpit.wait()
@@ -137,7 +137,8 @@ class Dashboard(Closes):
         self.cockpit.between.note_episode(runs=False)
 
     def show(self, film: Film) -> None:
-        """Show that episode from now on: of several robots, another one's."""
+        """Show that episode from now on, also to those who look back: of another robot, say."""
+        self._playhead.release()
         self._playhead.load(film)
 
     def count(self, film: Film, episode: Episode) -> None:

@@ -84,7 +84,10 @@ class Fleet(Closes):
 
     def _hire(self) -> "_Hired":
         seat = self._free.get()
-        return _Hired(self, Robot(seat, self._post, self._cockpit, self._on_end))
+        hired = _Hired(self, Robot(seat, self._post, self._cockpit, self._on_end))
+        # Where one was lost for good there may be nothing left to do for its successor.
+        self.rest(seat)
+        return hired
 
     def begin(self, seat: Seat, name: str) -> None:
         """Take note of an episode that begins at that robot."""

@@ -1,6 +1,6 @@
 """What drives the corridor of a fleet: a policy that goes straight on, and a gate that asks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from sheath_manip.gates import SupportGate
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.request import Crew, EpisodeRequest
 from sheath_manip.task import Task
-from sheath_manip.types import Action, EpisodeInfo, Observation, Purpose
+from sheath_manip.types import Action, EpisodeInfo, Observation, Outcome, Purpose
 from tests.judging import ByObservation
-from tests.toy import CORRIDOR
+from tests.toy import CORRIDOR, Corridor
 from tools.scripted_person import Absent, Held
 
 ASKS_FROM_M = 0.4
@@ -33,6 +33,28 @@ class Drifting:
 
         gate = SupportGate(ByObservation(score), 0.0)
         return Crew(gate, Absent(straight_on), task.make_expert(environment))
+
+
+@dataclass(frozen=True)
+class Breaking:
+    """Cannot be made."""
+
+    def crew(self, task: Task, environment: Environment) -> Crew:
+        del task, environment
+        raise RuntimeError("no such arm")
+
+
+class Wide(Corridor):
+    """So long and wide that no episode ends while a test looks."""
+
+    def __init__(self) -> None:
+        super().__init__(steps=100_000)
+
+    def outcome(self) -> Outcome:
+        return Outcome.TIME_LIMIT
+
+
+WIDE = replace(CORRIDOR, variants={"final": Wide, "default": Wide})
 
 
 def requests(count: int, driver: Drifting | None = None) -> list[EpisodeRequest]:

@@ -16,6 +16,8 @@ from tests.toy import CORRIDOR, Corridor, teleop
 from tests.waiting import DEADLINE_S, eventually
 from tools.station import Station
 
+START_S = 4 * DEADLINE_S
+"""in which processes start on a busy machine"""
 HANDS = teleop(Corridor())
 POST = Post(
     task=CORRIDOR,
@@ -51,9 +53,11 @@ class Served:
 
     def begin(self) -> None:
         """Let the run begin, once all robots are there."""
+        waits = "waiting for you to begin"
         assert eventually(
-            lambda: all(words == "waiting for you to begin" for words in self.words())
+            lambda: self.over.is_set() or all(words == waits for words in self.words()), START_S
         ), self.words()
+        assert not self.over.is_set(), self.ran
         self.station.order("hand-back")
 
 
