@@ -1,74 +1,63 @@
-"""Take pictures of the page of several robots: as some ask, and as one of them is served.
+"""Take pictures of the page of several robots: some ask, one is served, all are stopped.
 
-    python -m tools.screenshot_fleet DIRECTORY [--task driving] [--robots 4]
+    python -m tools.screenshot_fleet DIRECTORY [--task driving]
 
-The task's expert stands in for a policy, and the gate asks for a person from time to time, in each
-scene at other times, so that no policy has to be trained for a picture.
+The robots are not run but played: each is the beginning of a real episode of the task, driven by
+its expert in a policy's place, and told to the page as a robot's process tells it. So a picture
+costs a few seconds of one core, and is the same again.
 """
 
 import argparse
 import sys
 import threading
+import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import Page
 
 from sheath_manip.cli.operated import Operating
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment
+from sheath_manip.cockpit.post import Post
+from sheath_manip.cockpit.question import Question
+from sheath_manip.cockpit.standing import Ending
+from sheath_manip.cockpit.state import State
 from sheath_manip.dashboard import Dashboard
-from sheath_manip.fleet.fleet import Fleet
 from sheath_manip.fleet.fleet_cockpit import FleetCockpit
-from sheath_manip.gates import SupportGate
+from sheath_manip.fleet.from_robot import Asked, Begun, FromRobot, Report, Stepped
+from sheath_manip.fleet.outbox import Outbox
+from sheath_manip.fleet.seat import Seat
+from sheath_manip.gates import AlwaysPolicy
+from sheath_manip.playback.film import film_begun, pose_of
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.protocols import Environment, Expert
-from sheath_manip.rollout.request import Crew, EpisodeRequest
-from sheath_manip.task import Task
+from sheath_manip.rollout.loop import rollout
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import (
+    Actor,
+    Episode,
     EpisodeInfo,
-    Judgement,
+    GateDecision,
     Observation,
     Observations,
     Proposal,
     Purpose,
+    Reason,
+    Step,
 )
+from sheath_manip.types.samples import Samples
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 
 SIZES = {"wide": (1400, 900), "phone": (390, 844)}
-START_S = 600.0
-"""for all robots to start, on a busy machine"""
-SETTLED_MS = 4000
+SETTLED_MS = 6000
 """for the 3-D scene to be drawn in software"""
-DRIVEN_MS = 1500
-
-
-@dataclass(frozen=True)
-class Posing:
-    """The expert in a policy's place, under a gate that asks in the last part of each period."""
-
-    period_s: float = 4.0
-    asked_s: float = 1.5
-
-    def crew(self, task: Task, environment: Environment) -> Crew:
-        """Make both of `environment`."""
-        expert = task.make_expert(environment)
-        gate = SupportGate(_Clock(self.period_s, self.asked_s), 0.0)
-        return Crew(gate, _AsPolicy(expert), task.make_expert(environment))
-
-
-@dataclass(frozen=True)
-class _Clock:
-    period_s: float
-    asked_s: float
-
-    def judge(self, observation: Observation, proposal: Proposal, threshold: float) -> Judgement:
-        """Judge by the time, and by what is seen only so that scenes differ."""
-        del proposal, threshold
-        shift_s = float(abs(observation.features).sum()) % 0.3
-        left_s = self.period_s - self.asked_s - observation.time_s % self.period_s
-        return Judgement(0.2 * left_s + shift_s)
+STEPS = (70, 55, 64, 40)
+"""of each robot's episode so far"""
+BELOW = {2: 0.3, 3: 0.7}
+"""by how much the score of those that ask is below the threshold"""
+THRESHOLD = 0.2
 
 
 class _AsPolicy(Memoryless):
@@ -86,6 +75,118 @@ class _AsPolicy(Memoryless):
         return Proposal(self.expert.act(Observation(images, observations.features[0], 0.0))[None])
 
 
+@dataclass
+class _Taking:
+    """A listener that keeps what a robot's process would tell, and ends the episode in time."""
+
+    number: int
+    cockpit: Cockpit
+    told: list[FromRobot] = field(default_factory=list)
+
+    def on_fit(self, states: Samples) -> None:
+        """Nothing to tell."""
+
+    def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
+        """Tell of the scene."""
+        film = film_begun(environment, info)
+        self.told.append(Begun(info, film.scene, film.first_pose, film.lacks))
+
+    def on_step(self, environment: Environment, step: Step) -> None:
+        """Tell of the step, whose score falls towards a request."""
+        made, steps = len(self.told), STEPS[self.number - 1]
+        falls = BELOW.get(self.number, -0.3) * (made / steps) ** 3
+        score = THRESHOLD + 0.3 - 0.3 * (made / steps) ** 3 - falls + 0.05 * np.sin(made)
+        decision = GateDecision(Actor.POLICY, False, Reason.INSIDE, max(score, 0.21), THRESHOLD)
+        self.told.append(Stepped(replace(step, decision=decision), pose_of(environment)))
+        if made + 1 >= steps:
+            self.cockpit.end(Ending.SAVE)
+
+    def on_end(self, episode: Episode) -> None:
+        """Tell what it asks, if anything."""
+        if self.number in BELOW:
+            score = THRESHOLD - BELOW[self.number]
+            wanted = GateDecision(Actor.EXPERT, True, Reason.OUTSIDE, score, THRESHOLD)
+            last = episode.steps[-1]
+            self.told.append(Asked(Question(last.observation, last.proposed, wanted)))
+
+
+def played(post: Post, number: int) -> list[FromRobot]:
+    """Return what the process of that robot would have told."""
+    cockpit, environment = Cockpit(post.guide), post.task.make()
+    taking = _Taking(number, cockpit)
+    info = EpisodeInfo.of(
+        post.spec,
+        variant="default",
+        seed=number,
+        purpose=Purpose.LEARNING,
+        method="sheath-person",
+        index=number - 1,
+    )
+    rollout(
+        OperatedEnvironment(environment, cockpit),
+        info,
+        AlwaysPolicy(),
+        rng=np.random.default_rng(0),
+        policy=_AsPolicy(post.task.make_expert(environment)),
+        listeners=(taking,),
+    )
+    environment.close()
+    return taking.told
+
+
+class _Nobody(Outbox):
+    def __init__(self) -> None:
+        """Send nothing to nobody."""
+
+    def put(self, message: object) -> None:
+        """Drop it."""
+
+
+def state_of(seat: Seat, cockpit: FleetCockpit) -> State:
+    """Return how the robot of a seat stands."""
+    own = State(operated=True, stopped=cockpit.lease.holder is None and bool(cockpit.state.stops))
+    taken = seat is cockpit.roster.shown and cockpit.lease.holder is not None
+    if taken:
+        return replace(own, taken=True, turn=Actor.OPERATOR, may_go_on=False)
+    if seat.question is None or own.stopped:
+        return own
+    return replace(own, turn=Actor.HOLD, asking=True, may_go_on=False, left_s=float("inf"))
+
+
+def photographed(page: Page, post: Post, out: Path) -> None:
+    """Play the robots and take the pictures."""
+    cockpit = FleetCockpit(len(STEPS), post.guide, post.fallback_shown, post.planar)
+    over = threading.Event()
+
+    def report() -> None:
+        while not over.wait(0.1):
+            for seat in cockpit.roster.seats:
+                state = state_of(seat, cockpit)
+                cockpit.hear(seat, Report(time.monotonic(), state, state.asking, None))
+
+    with Dashboard(post.spec, port=0, cockpit=cockpit, pictures=cockpit.roster.pictures) as shown:
+        cockpit.on_film = shown.show
+        for seat in cockpit.roster.seats:
+            cockpit.attach(seat, _Nobody())
+            for message in played(post, seat.number):
+                cockpit.hear(seat, message)
+        threading.Thread(target=report, daemon=True).start()
+        open_dashboard(page, shown.address)
+        page.wait_for_selector("canvas")
+        page.wait_for_timeout(SETTLED_MS)
+        notice = page.get_by_role("alert").get_by_role("button")
+        if notice.count():
+            notice.first.click()
+        picture(page, out, "asking")
+        page.keyboard.press("t")
+        page.keyboard.down(post.guide[0].codes[0])
+        wait_until(lambda: cockpit.lease.holder is not None, "person", page)
+        picture(page, out, "served")
+        page.keyboard.press("Space")
+        picture(page, out, "stopped")
+        over.set()
+
+
 def picture(page: Page, out: Path, name: str) -> None:
     """Write a picture in each size."""
     for size, (width, height) in SIZES.items():
@@ -94,52 +195,6 @@ def picture(page: Page, out: Path, name: str) -> None:
         path = out / f"fleet-{name}-{size}.png"
         page.screenshot(path=path, timeout=1000 * TIMEOUT_S)
         print(path, flush=True)
-    page.set_viewport_size(dict(zip(("width", "height"), SIZES["wide"], strict=True)))  # pyright: ignore[reportArgumentType]
-
-
-def photographed(page: Page, task: Task, robots: int, out: Path) -> None:
-    """Run the robots and take the pictures."""
-    post = Operating().post(task, float("inf"))
-    infos = [
-        EpisodeInfo.of(
-            post.spec,
-            variant="default",
-            seed=index,
-            purpose=Purpose.LEARNING,
-            method="sheath",
-            index=index,
-        )
-        for index in range(robots)
-    ]
-    requests = [EpisodeRequest(task, info, Posing()) for info in infos]
-    cockpit = FleetCockpit(robots, post.guide, post.fallback_shown, post.planar)
-    with (
-        Dashboard(post.spec, port=0, cockpit=cockpit, pictures=cockpit.roster.pictures) as shown,
-        Fleet(post, cockpit, shown.count) as fleet,
-    ):
-        cockpit.on_film = shown.show
-        threading.Thread(target=lambda: list(fleet.run(requests)), daemon=True).start()
-
-        def all_are(*does: str) -> bool:
-            return all(each.does in does for each in cockpit.state.robots)
-
-        wait_until(lambda: all_are("held"), "robots", page, START_S)
-        open_dashboard(page, shown.address)
-        page.wait_for_selector("canvas")
-        notice = page.get_by_role("alert").get_by_role("button")
-        if notice.count():
-            notice.first.click()
-        picture(page, out, "ready")
-        page.keyboard.press("h")
-        wait_until(lambda: len(cockpit.roster.queue()) >= 2, "requests", page, START_S)
-        picture(page, out, "asking")
-        page.keyboard.press("t")
-        page.keyboard.down(post.guide[0].codes[0])
-        page.wait_for_timeout(DRIVEN_MS)
-        cockpit.pause()
-        picture(page, out, "served")
-        page.keyboard.press("Space")
-        picture(page, out, "stopped")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -147,11 +202,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("out", type=Path, help="directory for the PNGs")
     parser.add_argument("--task", choices=sorted(TASKS), default="driving")
-    parser.add_argument("--robots", type=int, default=4)
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
+    post = Operating().post(TASKS[options.task], float("inf"))
     with chromium_page() as page:
-        photographed(page, TASKS[options.task], options.robots, options.out)
+        photographed(page, post, options.out)
     return 0
 
 

@@ -38,7 +38,8 @@ class FleetRun:
     session: Session
     metric: str
     store: EpisodeStore | None
-    records: list[EpisodeRecord] = field(default_factory=list)
+    records: dict[int, EpisodeRecord] = field(default_factory=dict)
+    """by the episode's number, since they end in any order"""
     asked: dict[int, list[AskedInEpisode]] = field(default_factory=dict)
     """by the robot's number; 0 for what the store had already"""
     lost: list[str] = field(default_factory=list)
@@ -64,8 +65,9 @@ class FleetRun:
 
     def print(self) -> None:
         """Print what the episodes showed, and what was asked at each robot and at all of them."""
-        print_episodes(self.records, self.metric, self.session)
-        print_figures(self.records, self.session)
+        records = [self.records[index] for index in sorted(self.records)]
+        print_episodes(records, self.metric, self.session)
+        print_figures(records, self.session)
         asked = {f"robot {number}": found for number, found in sorted(self.asked.items()) if number}
         everything = [each for found in self.asked.values() for each in found]
         columns = {**asked, "all": everything}
@@ -84,7 +86,7 @@ class FleetRun:
             self.session.complain(f"robot {ran.robot}: {ran.fault}; the others go on")
             report(str(Outcome.ERROR))
             return
-        self.records.append(record_of(ran.episode))
+        self.records[ran.request.info.index] = record_of(ran.episode)
         self.asked.setdefault(ran.robot, []).append(asked_in(ran.episode))
         report(str(ran.episode.outcome))
 

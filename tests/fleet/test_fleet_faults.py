@@ -22,6 +22,22 @@ PROMISED_S = 0.5
 NEVER, AT_ONCE = Drifting(from_m=1e9), Drifting(from_m=-1.0)
 
 
+def test_robots_that_ask_hold_for_as_long_as_nobody_comes_and_what_fails_is_lost_alone():
+    asked = requests(3, AT_ONCE)
+    asked[1] = replace(asked[1], driver=Breaking())
+    with served(2, asked) as run:
+        run.begin()
+        run.station.close()
+        assert eventually(lambda: run.does() == ["asks", "asks"] and len(run.ran) == 1)
+        time.sleep(0.5)
+        assert [len(run.steps(number)) for number in (1, 2)] == [0, 0]
+        assert run.words()[0].startswith(("asking for", "waiting, 2nd, for"))
+        (lost,) = run.ran
+        assert lost.request.info.index == 1
+        assert "no such arm" in lost.fault
+        assert "\n" not in lost.fault
+
+
 @pytest.fixture(scope="module")
 def fleet() -> Iterator[Served]:
     """Three robots whose policies drive for ever."""
@@ -141,19 +157,3 @@ def test_a_robot_that_is_killed_costs_its_episode_alone(run, caplog):
     assert len(said) == 1
     assert said[0].startswith("robot 1 was lost with exit code -9: ")
     assert said[0].endswith("is begun anew, the others go on")
-
-
-def test_robots_that_ask_hold_for_as_long_as_nobody_comes_and_what_fails_is_lost_alone():
-    asked = requests(3, AT_ONCE)
-    asked[1] = replace(asked[1], driver=Breaking())
-    with served(2, asked) as run:
-        run.begin()
-        run.station.close()
-        assert eventually(lambda: run.does() == ["asks", "asks"] and len(run.ran) == 1)
-        time.sleep(0.5)
-        assert [len(run.steps(number)) for number in (1, 2)] == [0, 0]
-        assert run.words()[0].startswith(("asking for", "waiting, 2nd, for"))
-        (lost,) = run.ran
-        assert lost.request.info.index == 1
-        assert "no such arm" in lost.fault
-        assert "\n" not in lost.fault
