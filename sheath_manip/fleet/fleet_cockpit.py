@@ -63,7 +63,7 @@ class FleetCockpit(Cockpit):
             places = {each.number: place for place, each in enumerate(self.roster.queue(), 1)}
             between = shown.between
             if seat.report is None and not seat.finished:
-                between = Pastime(int(now_s - seat.since_s), f"starting robot {seat.number}")
+                between = Pastime(int(now_s - seat.since_s), "starting")
             return replace(
                 shown,
                 operated=own.operated,

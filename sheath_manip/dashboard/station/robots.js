@@ -59,11 +59,10 @@ function makeRobots({ order, path }) {
 
 // The notice of the robot that is shown, by its name, and how many others wait for the person.
 function fleetWords(state, [text, colour, percent]) {
-  if (!state.robot) return [text, colour, percent];
+  if (!state.robot || !text || state.finished) return [text, colour, percent];
   const others = state.robots.filter((it) => it.does === "asks" && it.number !== state.robot).length;
   const more = others && !state.stopped ? ` ${others === 1 ? "One more waits" : `${others} more wait`}.` : "";
   if (state.stopped) return [text.replace("EMERGENCY STOP", "EMERGENCY STOP of all robots"), colour, percent];
-  if (!text) return [text, colour, percent];
-  const said = text.replace(/^The robot /, "");
-  return [`Robot ${state.robot}${said === text ? ": " : " "}${said}${more}`, colour, percent];
+  const said = text.replace(/^The robot /, "").replace("lets the policy begin", "lets all robots begin");
+  return [`Robot ${state.robot}${text.startsWith("The robot ") ? " " : ": "}${said}${more}`, colour, percent];
 }
