@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sheath_manip.playback.film import Film
-from sheath_manip.protocols import Expert, Restorable
+from sheath_manip.protocols import Environment, Expert, Restorable
 from sheath_manip.protocols.closing import Closes
 from sheath_manip.rollout.simulated_operator import OperatorConfig, SimulatedOperator
 from sheath_manip.types import Action, Observation
@@ -29,7 +29,7 @@ class Eyes:
     A film has the state before each step; the step itself leads to the present.
     """
 
-    environment: Restorable
+    environment: Environment
     expert: Expert
     _seen: tuple[Film, int] | None = None
     _observation: Observation | None = None
@@ -41,6 +41,7 @@ class Eyes:
             self._seen = film, moment
             self._observation = self.environment.reset(film.info.seed)
             if moment:
+                assert isinstance(self.environment, Restorable)
                 step = film.steps[moment - 1]
                 self.environment.restore(step.state)
                 self._observation = self.environment.step(step.executed).observation

@@ -60,7 +60,7 @@ class FleetCockpit(Cockpit):
         with self._at_desk:
             own, seat, now_s = super().state, self.roster.shown, self._clock()
             shown = own if seat.report is None else seat.report.state
-            places = {each.number: place for place, each in enumerate(self.roster.queue(), 1)}
+            places = {each.number: place for place, each in enumerate(self.roster.in_turn(), 1)}
             between = shown.between
             if seat.report is None and not seat.finished:
                 between = Pastime(int(now_s - seat.since_s), "starting")

@@ -42,6 +42,10 @@ class Roster:
         asked = [request for each in self.seats if (request := each.request(now_s)) is not None]
         return [self.seats[each.number - 1] for each in by_urgency(asked, self._patience_s)]
 
+    def in_turn(self) -> list[Seat]:
+        """Return the same as they will be served: the request that is shown comes first."""
+        return sorted(self.queue(), key=lambda each: each is not self.shown)
+
     def pictures(self) -> Mapping[int, NDArray[np.uint8]]:
         """Return what each robot's first camera saw last, by its number."""
         seen = {each.number: each.picture for each in self.seats}

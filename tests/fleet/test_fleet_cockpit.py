@@ -30,6 +30,10 @@ def test_a_request_is_offered_and_stays_until_it_is_answered(robots):
     ]
     assert robots.order(Order.NEXT)
     assert robots.shown == 2
+    assert [each.words for each in robots.cockpit.state.robots][1:3] == [
+        "asking for 0 s",
+        "waiting, 2nd, for 0 s",
+    ]
 
 
 def test_after_the_hand_back_comes_the_most_urgent_one(robots):

@@ -48,7 +48,7 @@ def person_at(opened: list[Dashboard]) -> Iterator[list[float]]:
             return cockpit.roster.shown.film if isinstance(cockpit, FleetCockpit) else page._film
 
         with Station(page.address) as station:
-            eyes = Eyes(twin, DRIVING.make_expert(twin))  # pyright: ignore[reportArgumentType]
+            eyes = Eyes(twin, DRIVING.make_expert(twin))
             with FleetPerson(station, film, eyes, at_the_wheel) as person:
                 over.wait()
             turns_s.extend(person.turns_s)

@@ -46,8 +46,8 @@ function makeRobots({ order, path }) {
       document.body.classList.toggle("sheath-fleet", robots.length > 0);
       if (robots.length && !socket) connect();
       for (const { number, does, words } of robots) {
-        const tile = tileOf(number), shown = number === state.robot;
-        if (tile.words.textContent !== words) tile.words.textContent = words;
+        const tile = tileOf(number), shown = number === state.robot, said = words.replace(/(\d) s$/, "$1\u00a0s");
+        if (tile.words.textContent !== said) tile.words.textContent = said;
         tile.button.dataset.does = does;
         tile.button.setAttribute("aria-pressed", String(shown));
         tile.button.title = shown ? "This robot is shown" : `Show robot ${number}`;
