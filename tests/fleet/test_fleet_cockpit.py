@@ -24,8 +24,8 @@ def test_a_request_is_offered_and_stays_until_it_is_answered(robots):
     assert robots.shown == 3
     assert [each.words for each in robots.cockpit.state.robots] == [
         "driving",
-        "asking for 0 s",
         "waiting, 2nd, for 0 s",
+        "asking for 0 s",
         "driving",
     ]
     assert robots.order(Order.NEXT)
