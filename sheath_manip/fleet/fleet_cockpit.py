@@ -247,7 +247,8 @@ class FleetCockpit(Cockpit):
         self._offer()
 
     def _offer(self) -> None:
-        if self.lease.holder is None:
+        # Who has stopped a robot goes on seeing it, whatever the others' last reports ask.
+        if self.lease.holder is None and not self._seen().stopped:
             self.roster.offer()
 
     def _let_begin(self, seat: Seat) -> None:

@@ -87,6 +87,10 @@ def test_a_stop_a_reset_and_a_pause_are_of_all_robots_whoever_drives(robots):
     assert robots.order(Order.STOP, "other")
     assert all(told.orders()[-1] is Order.STOP for told in robots.told)
     assert robots.cockpit.lease.holder is None
+    # What another one asked just before moves nobody away.
+    robots.says(1, SERVED)
+    robots.asks(3)
+    assert robots.shown == 1
     assert not robots.order(Order.RESUME, seen=1)
     assert not robots.order(Order.RESET, seen=0)
     assert robots.order(Order.RESET, seen=1)
