@@ -74,10 +74,15 @@ class HeardCockpit(Cockpit):
         self.heard_s: dict[Order, float] = {}
 
     def order(
-        self, order: Order, station: str, value: float = 1.0, seen: int | None = None
+        self,
+        order: Order,
+        station: str | None,
+        value: float = 1.0,
+        seen: int | None = None,
+        robot: int | None = None,
     ) -> bool:
         """Note it, once it was followed."""
-        done = super().order(order, station, value, seen)
+        done = super().order(order, station, value, seen, robot)
         self.heard_s[order] = time.perf_counter()
         return done
 

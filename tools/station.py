@@ -85,7 +85,8 @@ class Station(Closes):
 
     def order(self, order: str, value: float = 1.0) -> None:
         """Give an order, by its name on the wire; it goes by what was last `shown`."""
-        self.send({"order": order, "value": value, "seen": self.shown.get("stops")})
+        shown = {"seen": self.shown.get("stops"), "robot": self.shown.get("robot") or None}
+        self.send({"order": order, "value": value, **shown})
 
     def hold(
         self,

@@ -1,26 +1,26 @@
 """Options and parts of a run whose expert is a person at the page."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, fields, replace
-from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Annotated
 
 from sheath_manip.cli.options import Address, default_is
 from sheath_manip.cli.session import Session
-from sheath_manip.cockpit import Cockpit, OperatedEnvironment
+from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.gate import WAIT_S
+from sheath_manip.cockpit.operated_task import operated
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.patient import FOR_PEOPLE, RequestConfig
 from sheath_manip.playback.labels import FALLBACK
-from sheath_manip.protocols import Environment, Expert, Listener
+from sheath_manip.protocols import Listener
 from sheath_manip.rollout.pacing import Pacing
 from sheath_manip.rollout.request import Driver, TimedDriver
 from sheath_manip.rollout.watch import Deadline
 from sheath_manip.task import HOLD, SCRIPTED, Task
-from sheath_manip.types import TaskSpec
 
 if TYPE_CHECKING:
+    from sheath_manip.cockpit.post import Post
     from sheath_manip.dashboard import Dashboard
     from sheath_manip.dashboard.explainer import Explainer
     from sheath_manip.dashboard.widget import WidgetFactory
@@ -39,7 +39,9 @@ class Operating:
     fallback: str = SCRIPTED
     """controller that acts if no operator takes over within --wait-s: the scripted expert, or a
     fallback that the task has, such as hold or back-up"""
-    wait_s: float = WAIT_S
+    wait_s: Annotated[
+        float | None, default_is(f"{WAIT_S:g}, with several robots as long as it takes")
+    ] = None
     """seconds to wait for the person before the fallback acts"""
     speed: float = 1.0
     """speed of the run: 1 is the task's control rate; the page's slider multiplies it"""
@@ -54,8 +56,12 @@ class Operating:
 
     def timed(self, driver: Driver, paced: bool = True) -> Driver:
         """Return `driver` with its deadline: none where a run is not `paced`, unless asked for."""
+        deadline = self._deadline(paced)
+        return driver if deadline is None else TimedDriver(driver, deadline)
+
+    def _deadline(self, paced: bool) -> Deadline | None:
         share = float(paced) if self.deadline is None else self.deadline
-        return driver if share == 0 else TimedDriver(driver, Deadline(share / self.speed))
+        return None if share == 0 else Deadline(share / self.speed)
 
     def require_default(self, but: tuple[str, ...] = ("deadline",)) -> None:
         """Raise ParameterError where one is given that only a person could use, `but` those."""
@@ -76,8 +82,51 @@ class Operating:
         from sheath_manip.cockpit.answered import AnsweredDriver
 
         self.require_default(but=("fallback", "wait_s", "deadline", "requests"))
-        answered = AnsweredDriver(driver, operator, self.fallback, self.wait_s, self.requests)
+        wait_s = WAIT_S if self.wait_s is None else self.wait_s
+        answered = AnsweredDriver(driver, operator, self.fallback, wait_s, self.requests)
         return self.timed(answered, paced=False)
+
+    def post(self, task: Task, wait_s: float) -> "Post":
+        """Return how a person drives `task`, waited for `wait_s` unless the line says otherwise.
+
+        Raises ParameterError for a task that nobody can drive, and for a wait below 0.
+        """
+        if task.teleop is None:
+            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with teleop")
+        # Only now: it brings the gates.
+        from sheath_manip.cockpit.post import Post
+
+        wait_s = wait_s if self.wait_s is None else self.wait_s
+        if not wait_s >= 0:
+            raise ParameterError(f"wait_s is {wait_s}; wanted at least 0, such as {WAIT_S:g}")
+        probe = task.make()
+        spec, hands = probe.spec, task.teleop(probe)
+        task.make_expert(probe, self.fallback)
+        probe.close()
+        stated = "scripted expert" if self.fallback == SCRIPTED else f"{FALLBACK} “{self.fallback}”"
+        return Post(
+            task=task,
+            spec=spec,
+            guide=hands.guide,
+            planar=hands.planar,
+            dead_man=hands.dead_man,
+            fallback=self.fallback,
+            fallback_shown=stated,
+            hold=HOLD if HOLD in task.fallbacks else None,
+            wait_s=wait_s,
+            requests=self.requests,
+            speed=self.speed,
+            deadline=self._deadline(paced=True),
+        )
+
+    def devices(self, cockpit: Cockpit) -> AbstractContextManager[object]:
+        """Return what reads the devices that are plugged in here, if any is to be."""
+        if not self.spacemouse:
+            return nullcontext()
+        # Only now: it is an extra.
+        from sheath_manip.cockpit.spacemouse import SpaceMouse
+
+        return SpaceMouse(cockpit)
 
     @contextmanager
     def crew(
@@ -92,36 +141,23 @@ class Operating:
 
         `gate` are the sliders of an adjustable gate, `explainer` says why it asks.
         """
-        if task.teleop is None:
-            raise ParameterError(f"nobody can drive {task.name} by hand; wanted a task with teleop")
-        if not self.wait_s >= 0:
-            raise ParameterError(f"wait_s is {self.wait_s}; wanted at least 0, such as {WAIT_S:g}")
-        probe = task.make()
-        spec, hands = probe.spec, task.teleop(probe)
-        task.make_expert(probe, self.fallback)
-        probe.close()
-        stated = "scripted expert" if self.fallback == SCRIPTED else f"{FALLBACK} “{self.fallback}”"
-        cockpit = Cockpit(hands.guide, paced=True, fallback=stated, planar=hands.planar)
+        post = self.post(task, WAIT_S)
+        cockpit = post.cockpit()
         pacing = Pacing(self.speed, lambda: cockpit.speed)
         with ExitStack() as stack:
-            if self.spacemouse:
-                # Only now: it is an extra.
-                from sheath_manip.cockpit.spacemouse import SpaceMouse
-
-                stack.enter_context(SpaceMouse(cockpit))
-            page = stack.enter_context(address.dashboard(spec, session, cockpit, gate, explainer))
-            yield Crew(task, self, spec, cockpit, hands.dead_man, (page, pacing))
+            stack.enter_context(self.devices(cockpit))
+            page = stack.enter_context(
+                address.dashboard(post.spec, session, cockpit, gate, explainer)
+            )
+            yield Crew(post, cockpit, (page, pacing))
 
 
 @dataclass(frozen=True, eq=False)
 class Crew:
     """Who may act in a run that a person operates."""
 
-    task: Task
-    operating: Operating
-    spec: TaskSpec
+    post: "Post"
     cockpit: Cockpit
-    dead_man: bool
     listeners: Sequence[Listener]
     """the page, then the pacing"""
 
@@ -131,64 +167,9 @@ class Crew:
         return self.listeners[0]  # pyright: ignore[reportReturnType]
 
     def operated(self) -> Task:
-        """The task, with episodes that a person may end; experts know the environment inside."""
-        task = self.task
-        return replace(
-            task,
-            expert=partial(_made_inside, task.expert),
-            fallbacks={name: partial(_made_inside, make) for name, make in task.fallbacks.items()},
-            variants=_Operated(task.variants, self._made),
-            run_variants={
-                name: partial(self._made, make) for name, make in task.run_variants.items()
-            },
-        )
-
-    def _made(self, make: Callable[..., Environment], *seed: int) -> OperatedEnvironment:
-        return OperatedEnvironment(make(*seed), self.cockpit)
+        """Return the task, with episodes that the person may end."""
+        return operated(self.post.task, self.cockpit)
 
     def driver(self, driver: Driver) -> Driver:
         """Return `driver` with the person beside it, and with a deadline."""
-        from sheath_manip.cockpit.driver import OperatedDriver
-
-        return self.operating.timed(
-            OperatedDriver(
-                driver,
-                self.cockpit,
-                fallback=self.operating.fallback,
-                hold=HOLD if self.can_hold else None,
-                wait_s=self.operating.wait_s,
-                dead_man=self.dead_man,
-                requests=self.operating.requests,
-            )
-        )
-
-    @property
-    def can_hold(self) -> bool:
-        """Whether the robot can stay where it is."""
-        return HOLD in self.task.fallbacks
-
-
-@dataclass(frozen=True, eq=False)
-class _Operated(Mapping[str, Callable[[], Environment]]):
-    """Variants whose environments a person may end: those that are listed, and those that are not.
-
-    A task may know more variants than it lists, such as one for each file of an arm.
-    """
-
-    variants: Mapping[str, Callable[[], Environment]]
-    made: Callable[..., Environment]
-
-    def __getitem__(self, name: str) -> Callable[[], Environment]:
-        return partial(self.made, self.variants[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.variants)
-
-    def __len__(self) -> int:
-        return len(self.variants)
-
-
-def _made_inside(make: Callable[[Any], Expert], environment: Environment) -> Expert:
-    """An expert looks at the physics, which an operated environment does not show."""
-    operated = isinstance(environment, OperatedEnvironment)
-    return make(environment.environment if operated else environment)
+        return self.post.driver(driver, self.cockpit)

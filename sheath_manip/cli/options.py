@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from sheath_manip.cockpit import Cockpit
     from sheath_manip.dashboard import Dashboard
     from sheath_manip.dashboard.explainer import Explainer
+    from sheath_manip.dashboard.pictures_socket import Pictures
     from sheath_manip.dashboard.widget import WidgetFactory
 
 NOT_LOOPBACK = (
@@ -54,11 +55,12 @@ class Address:
         cockpit: "Cockpit | None" = None,
         gate: "tuple[WidgetFactory, ...]" = (),
         explainer: "Explainer | None" = None,
+        pictures: "Pictures" = dict,
     ) -> Iterator["Dashboard"]:
         """The page, its address printed; taken down at the end. Raises SetupError (port taken).
 
         `cockpit` is where a person's orders go, `gate` are the sliders of an adjustable gate,
-        `explainer` says why it asks.
+        `explainer` says why it asks, and `pictures` are what each of several robots sees.
         """
         # Only now: it takes seconds, and most calls want no page.
         from sheath_manip.dashboard import Dashboard
@@ -71,6 +73,7 @@ class Address:
             cockpit=cockpit,
             gate=gate,
             explainer=explainer,
+            pictures=pictures,
         ) as dashboard:
             session.announce(dashboard.address)
             yield dashboard

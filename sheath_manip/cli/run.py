@@ -13,10 +13,13 @@ from sheath_manip.protocols import Listener
 from sheath_manip.rollout.simulated_operator import OperatorConfig
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import SCRIPTED, Task
-from sheath_manip.types import Episode, EpisodeInfo, Purpose
+from sheath_manip.types import Episode, EpisodeInfo, Purpose, TaskSpec
 
 if TYPE_CHECKING:
+    from sheath_manip.cli.adjusting import Adjusting
+    from sheath_manip.dashboard import Dashboard
     from sheath_manip.dashboard.explainer import Explainer
+    from sheath_manip.dataset.store import EpisodeStore
     from sheath_manip.learning.checkpoint import Checkpoint
     from sheath_manip.rollout.asked import AskedInEpisode
     from sheath_manip.rollout.request import Driver
@@ -45,6 +48,8 @@ class Run:
     """expert that takes over: the scripted one, a fallback controller that the task has, such as
     hold or back-up, a person, who is asked on the page and may take over there at any time, or a
     simulated-person in that place, who reacts late"""
+    robots: int = 1
+    """number of robots, each in a process of its own, which one person serves one after another"""
     policy_alone: bool = False
     """let the policy act without gate and expert"""
     dashboard: bool = False
@@ -57,9 +62,19 @@ class Run:
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""
         at_least_one("episodes", self.episodes)
+        if at_least_one("robots", self.robots) > self.episodes:
+            raise ParameterError(
+                f"robots is {self.robots}, and episodes {self.episodes}; wanted at least one "
+                f"episode for each, such as --episodes {self.robots}"
+            )
         task = session.runnable(self.task)
         if self.expert == PERSON:
             return self._with_a_person(task, session)
+        if self.robots > 1:
+            raise ParameterError(
+                f"--robots {self.robots} is for a person; wanted --expert {PERSON}, or without one "
+                f"`sheath evaluate --workers {self.robots}`"
+            )
         if self.expert == SIMULATED and self.policy_alone:
             raise ParameterError("a policy alone has no expert; wanted --policy-alone or a person")
         if self.expert != SIMULATED:
@@ -101,6 +116,8 @@ class Run:
                 self.checkpoint, checkpoint, self.training_store, spec_of(task), scenes_of(task)
             )
         explainer = adjusting.explainer
+        if self.robots > 1:
+            return self._fleet(task, session, checkpoint, adjusting)
         with self.operating.crew(task, self.address, session, adjusting.widgets, explainer) as crew:
             if adjusting.states is not None:
                 crew.page.on_fit(adjusting.states)
@@ -109,6 +126,35 @@ class Run:
             page, *others = crew.listeners
             listeners = (page, UntilReady(crew.cockpit), *others)
             return self._run(crew.operated(), session, checkpoint, driver, listeners)
+
+    def _fleet(
+        self, task: Task, session: Session, checkpoint: "Checkpoint", adjusting: "Adjusting"
+    ) -> int:
+        from sheath_manip.cli.fleet import run_fleet
+        from sheath_manip.learning.checkpoint import digest
+        from sheath_manip.learning.drivers import GatedPolicy
+        from sheath_manip.rollout.request import EpisodeRequest
+
+        store, infos = self._asked_for(spec_of(task), checkpoint)
+        # A value: each robot reads its own, so no slider here could move them.
+        driver = GatedPolicy(self.checkpoint, digest(self.checkpoint))
+
+        def prepare(page: "Dashboard") -> None:
+            if adjusting.states is not None:
+                page.on_fit(adjusting.states)
+            page.saved_in = self._saved_in
+
+        return run_fleet(
+            self.robots,
+            task,
+            self.operating,
+            self.address,
+            session,
+            adjusting.explainer,
+            [EpisodeRequest(task, info, driver) for info in infos],
+            store,
+            prepare,
+        )
 
     def _explainer(self, task: Task) -> "Explainer":
         from sheath_manip.cli.adjusting import scenes_of
@@ -138,24 +184,14 @@ class Run:
         session.remark(checkpoint.remark)
         return checkpoint
 
-    def _run(
-        self,
-        task: Task,
-        session: Session,
-        checkpoint: "Checkpoint",
-        driver: "Driver",
-        listeners: Sequence[Listener],
-    ) -> int:
-        from sheath_manip.cli.asked import print_asked
-        from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
+    def _asked_for(
+        self, spec: TaskSpec, checkpoint: "Checkpoint"
+    ) -> "tuple[EpisodeStore | None, list[EpisodeInfo]]":
+        """The store, if any, and the episodes."""
         from sheath_manip.dataset.sessions import begun, new_session
         from sheath_manip.dataset.store import EpisodeStore
         from sheath_manip.learning.checkpoint import digest
-        from sheath_manip.rollout.asked import asked_in
-        from sheath_manip.rollout.request import EpisodeRequest
-        from sheath_manip.rollout.serial import SerialExecutor
 
-        spec = spec_of(task)
         purpose = Purpose.EVALUATION if self.policy_alone else Purpose.LEARNING
         named = digest(self.checkpoint)
         fallback = "" if self.policy_alone or self.expert == SCRIPTED else self.expert
@@ -179,6 +215,24 @@ class Run:
         if store is not None and self.expert == PERSON:
             # The same scene by hand again is another episode.
             infos = begun(store, infos, new_session())
+        return store, infos
+
+    def _run(
+        self,
+        task: Task,
+        session: Session,
+        checkpoint: "Checkpoint",
+        driver: "Driver",
+        listeners: Sequence[Listener],
+    ) -> int:
+        from sheath_manip.cli.asked import print_asked
+        from sheath_manip.cli.episodes import print_episodes, print_figures, run_all
+        from sheath_manip.rollout.asked import asked_in
+        from sheath_manip.rollout.request import EpisodeRequest
+        from sheath_manip.rollout.serial import SerialExecutor
+
+        spec = spec_of(task)
+        store, infos = self._asked_for(spec, checkpoint)
         requests = [EpisodeRequest(task, info, driver) for info in infos]
         asked: list[AskedInEpisode] = []
 

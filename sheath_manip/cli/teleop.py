@@ -60,7 +60,7 @@ class Teleop:
             store, driver = EpisodeStore.create(self.store), crew.driver(ExpertAlone())
             requests = [
                 EpisodeRequest(operated, info, driver)
-                for info in begun(store, self._infos(crew.spec), new_session())
+                for info in begun(store, self._infos(crew.post.spec), new_session())
             ]
             with SerialExecutor() as executor:
                 records = list(

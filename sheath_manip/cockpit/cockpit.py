@@ -42,6 +42,7 @@ class Cockpit:
         fallback: str = State.fallback,
         planar: bool = False,
         undo_s: float = transitions.UNDO_S,
+        standing: Standing | None = None,
     ) -> None:
         """Begin with a run that goes on, at the task's own pace.
 
@@ -52,6 +53,7 @@ class Cockpit:
             fallback: who acts where a person is asked and does not come, in words.
             planar: whether what a gizmo moves stays level and at its height.
             undo_s: in which a discard may be called off.
+            standing: how things stand already; None: nobody has ordered anything yet.
         """
         self.guide = guide
         self.paced = paced
@@ -61,7 +63,7 @@ class Cockpit:
         self._clock = clock
         self._undo_s = undo_s
         self._news = threading.Condition()
-        self._standing = Standing(operated=bool(guide))
+        self._standing = standing or Standing(operated=bool(guide))
         self.between = Between(clock)
         """what is done while no episode runs"""
         self._axes: Axes | None = None
@@ -79,7 +81,6 @@ class Cockpit:
         """whether nothing moves in this step, since the simulation cannot hold"""
 
     # The page's side.
-
     @property
     def state(self) -> State:
         """The cockpit as it is now."""
@@ -100,6 +101,11 @@ class Cockpit:
         )
 
     @property
+    def true_s(self) -> float:
+        """Up to when what is known of the loop is true: of one in this program always."""
+        return math.inf
+
+    @property
     def paused(self) -> bool:
         """Whether the person holds the run."""
         return self._standing.paused
@@ -115,14 +121,20 @@ class Cockpit:
         return self._seen().lease.input or EMPTY
 
     def order(
-        self, order: Order, station: str, value: float = 1.0, seen: int | None = None
+        self,
+        order: Order,
+        station: str | None,
+        value: float = 1.0,
+        seen: int | None = None,
+        robot: int | None = None,
     ) -> bool:
-        """Do what `station` orders; whether it may.
+        """Do what `station` orders; whether it may. None is the program, which nobody locks out.
 
         While somebody drives only that one gives orders, but for the emergency stop. `seen` is the
         number of the newest stop that `station` knew of (`State.stops`): a reset clears no other,
-        and an order to move is void where there was a newer one.
+        and an order to move is void where there was a newer one. It was shown that `robot`.
         """
+        del robot  # There is only one here.
         now_s = self._clock()
         return self._follow(
             lambda now: transitions.follow(now, order, station, now_s, value, seen, self._undo_s)
@@ -164,11 +176,11 @@ class Cockpit:
 
     def pause(self) -> None:
         """Hold the run at its next step."""
-        self._by_program(Order.PAUSE)
+        self.order(Order.PAUSE, station=None)
 
     def resume(self) -> None:
         """Let it go on; not where it is stopped."""
-        self._by_program(Order.RESUME)
+        self.order(Order.RESUME, station=None)
 
     def end(self, ending: Ending) -> None:
         """End the episode at its next step."""
@@ -238,16 +250,7 @@ class Cockpit:
             self.on_change()
         operator_input = standing.lease.everything(now_s, self._axes)
         self.input = operator_input or EMPTY
-        return Now(
-            standing.stopped,
-            standing.taken,
-            operator_input,
-            standing.abandoned,
-            standing.halted,
-            standing.ending,
-            standing.closed,
-            standing.lease.touched,
-        )
+        return Now.of(standing, operator_input)
 
     def give_turn(
         self,
@@ -278,9 +281,6 @@ class Cockpit:
 
     def _seen(self) -> Standing:
         return transitions.aged(self._standing, self._clock())
-
-    def _by_program(self, order: Order) -> None:
-        self._follow(lambda now: transitions.follow(now, order, None, self._clock()))
 
     def _hear(self, transition: Callable[[Standing], Standing | None]) -> bool:
         """Whether `transition` applies; nobody is woken, since heartbeats come all the time."""

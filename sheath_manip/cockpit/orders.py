@@ -33,6 +33,10 @@ class Order(StrEnum):
     """records nothing, and runs the scene again, unless it is called off within a few seconds"""
     CALL_OFF = "call-off-discard"
     """goes on with the episode that was to be discarded"""
+    CHOOSE = "choose-robot"
+    """of several robots; comes with its number"""
+    NEXT = "next-robot"
+    """the one that asks most urgently beside the one that is shown"""
 
 
 OF_ANY_RUN = (Order.PAUSE, Order.RESUME, Order.STEP, Order.SPEED)

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Self
 
 from sheath_manip.cockpit.lease import NOBODY, Lease
 from sheath_manip.types import Outcome
@@ -83,6 +84,20 @@ class Now:
     closed: bool = False
     touched: bool = False
     """whether who drives has held anything since it took over, or since the episode began"""
+
+    @classmethod
+    def of(cls, standing: Standing, operator_input: OperatorInput | None) -> Self:
+        """Return what a step goes by where things stand so and the operator's devices say that."""
+        return cls(
+            standing.stopped,
+            standing.taken,
+            operator_input,
+            standing.abandoned,
+            standing.halted,
+            standing.ending,
+            standing.closed,
+            standing.lease.touched,
+        )
 
     @property
     def must_hold(self) -> bool:

@@ -8,6 +8,18 @@ from sheath_manip.types import Actor
 
 
 @dataclass(frozen=True)
+class RobotShown:
+    """What the page shows of one robot of several."""
+
+    number: int
+    """from 1"""
+    does: str
+    """one of `starts`, `drives`, `asks`, `served`, `held`, `finished`, `silent`: its colour"""
+    words: str
+    """how it is, for a person"""
+
+
+@dataclass(frozen=True)
 class State:
     """What the page shows of the cockpit, and what its orders go by."""
 
@@ -40,3 +52,7 @@ class State:
     """the station that drives"""
     fallback: str = FALLBACK
     """who acts where nobody comes, in words"""
+    robot: int = 0
+    """the number of the robot that is shown, where there are several; 0: it is the only one"""
+    robots: tuple[RobotShown, ...] = ()
+    """all of them, where there are several"""

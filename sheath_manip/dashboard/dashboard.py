@@ -13,6 +13,7 @@ from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dashboard.layout import live
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.page import Page
+from sheath_manip.dashboard.pictures_socket import Pictures, PicturesSocket
 from sheath_manip.dashboard.playhead import Playhead
 from sheath_manip.dashboard.scored import MOST_SCORED, scored
 from sheath_manip.dashboard.seek_socket import SeekSocket
@@ -51,12 +52,13 @@ class Dashboard(Closes):
         cockpit: Cockpit | None = None,
         gate: tuple[WidgetFactory, ...] = (),
         explainer: Explainer | None = None,
+        pictures: Pictures = dict,
     ) -> None:
         """Open the page.
 
         `cockpit` is where a person's orders go, by default one to hold the run; `gate` are the
         sliders of a gate that a person may adjust; `explainer` says why it asks, by default
-        from what a step records alone.
+        from what a step records alone; `pictures` are what each of several robots sees.
 
         Raises SetupError (the port is taken) and ParameterError (a short token).
         """
@@ -66,7 +68,8 @@ class Dashboard(Closes):
         label = f"sheath · {spec.name}"
         seeking = SeekSocket()
         self._server = GuardedServer.open(
-            host, port, token, label, self.cockpit, lambda: self._drawer.true_s, seeking
+            *(host, port, token, label, self.cockpit, self._true_s, seeking),
+            PicturesSocket(pictures),
         )
         # Else the loop waits up to 5 ms for its turn where a drawing is under way.
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))
@@ -130,13 +133,22 @@ class Dashboard(Closes):
     def on_end(self, episode: Episode) -> None:
         """Show how the episode ended."""
         assert self._film is not None, "on_start comes before on_end"
+        self.count(self._film, episode)
+        self.cockpit.between.note_episode(runs=False)
+
+    def show(self, film: Film) -> None:
+        """Show that episode from now on, also to those who look back: of another robot, say."""
+        self._playhead.release()
+        self._playhead.load(film)
+
+    def count(self, film: Film, episode: Episode) -> None:
+        """Count an episode that has ended, and show how where it is the one shown."""
         with self._lock:
-            self._film.end(episode)
-            trace = self._film.trace.so_far()
+            film.end(episode)
+            trace = film.trace.so_far()
             counts = counts_of_trace(trace, episode.info.control_rate_hz)
             self._tally.end(episode.info, counts, episode.outcome)
-            self._scored = (*self._scored, scored(self._film))[-MOST_SCORED:]
-        self.cockpit.between.note_episode(runs=False)
+            self._scored = (*self._scored, scored(film))[-MOST_SCORED:]
         self._drawer.wake()
 
     def pause(self) -> None:
@@ -173,6 +185,10 @@ class Dashboard(Closes):
         """
         holder = self.cockpit.lease.holder
         return client_id is None or holder in (None, station_of(client_id))
+
+    def _true_s(self) -> float:
+        """Up to when the page is true: what is drawn, and what is known of the loop."""
+        return min(self._drawer.true_s, self.cockpit.true_s)
 
     def _question(self) -> Question | None:
         """What the run stands still before, since the gate asks for a person."""

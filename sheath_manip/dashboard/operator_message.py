@@ -39,6 +39,8 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     value: float = 1.0
     seen: Annotated[int, Meta(ge=0)] | None = None
     """with an order: the number of the newest emergency stop that the station was shown"""
+    robot: Annotated[int, Meta(ge=0)] | None = None
+    """with an order: the number of the robot that the station was shown"""
 
     def input(self, codes: set[str]) -> OperatorInput | None:
         """Return what is held, of the keys `codes` that drive.

@@ -20,6 +20,7 @@ from websockets.protocol import State
 
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.orders import OF_ANY_RUN
+from sheath_manip.dashboard import pictures_socket
 from sheath_manip.dashboard.message_age import Budget, MessageAge
 from sheath_manip.dashboard.operator_message import OperatorMessage, decoded
 from sheath_manip.dashboard.page_script import page_script
@@ -47,6 +48,8 @@ HOTKEYS = {
     "KeyZ": Order.DISCARD,
     "KeyC": Order.CALL_OFF,
 }
+NEXT_KEY = "KeyX"
+"""shows the next of several robots"""
 """by `KeyboardEvent.code`; none of them flies viser's camera (W A S D Q E, arrows)"""
 
 
@@ -84,9 +87,12 @@ class OperatorSocket:
         hotkeys = {
             code: order.value for code, order in HOTKEYS.items() if operated or order in OF_ANY_RUN
         }
+        if self.cockpit.state.robots:
+            hotkeys[NEXT_KEY] = Order.NEXT.value
         settings = {
             "station": key,
             "path": PATH,
+            "pictures": pictures_socket.PATH,
             "guide": [asdict(binding) for binding in self.cockpit.guide],
             "hotkeys": hotkeys,
             "title": self._title,
@@ -164,7 +170,8 @@ class OperatorSocket:
 
     def _follow(self, station: str, said: OperatorMessage) -> None:
         if said.order is not None and math.isfinite(said.value):
-            self.cockpit.order(self._meant(said.order), station, said.value, said.seen)
+            meant = self._meant(said.order)
+            self.cockpit.order(meant, station, said.value, said.seen, said.robot)
 
     def _meant(self, order: Order) -> Order:
         """One key pauses and resumes."""

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 _STATION = Path(__file__).with_name("station")
-_PARTS = ("keyboard", "gamepad", "notice", "attention", "deck", "naming", "station")
+_PARTS = ("keyboard", "gamepad", "notice", "attention", "deck", "naming", "robots", "station")
+"""the last one uses the others"""
 
 
 def page_script(settings: Mapping[str, Any]) -> str:

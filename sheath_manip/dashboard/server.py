@@ -5,7 +5,7 @@ import contextlib
 import secrets
 import socket
 import threading
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, NoReturn
@@ -18,11 +18,18 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from sheath_manip.cockpit import Cockpit
-from sheath_manip.dashboard import headers, operator_socket, seek_socket, server_log
+from sheath_manip.dashboard import (
+    headers,
+    operator_socket,
+    pictures_socket,
+    seek_socket,
+    server_log,
+)
 from sheath_manip.dashboard.access import AccessControl
 from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
 from sheath_manip.dashboard.operator_socket import Looks, OperatorSocket, station_of
 from sheath_manip.dashboard.paced_connection import PacedConnection
+from sheath_manip.dashboard.pictures_socket import PicturesSocket
 from sheath_manip.dashboard.seek_socket import SeekSocket
 from sheath_manip.dashboard.wall import pages
 from sheath_manip.dashboard.wall.pages import WallPages
@@ -36,7 +43,7 @@ FAREWELL_S = 0.5
 SUBPROTOCOL = f"viser-v{viser.__version__}"
 """of viser's client; to any other viser would answer on the terminal, in that one's own words"""
 
-SOCKETS = ("/", operator_socket.PATH, seek_socket.PATH)
+SOCKETS = ("/", operator_socket.PATH, seek_socket.PATH, pictures_socket.PATH)
 """where there is a websocket"""
 
 _serve_is_wrapped = threading.Lock()
@@ -63,13 +70,14 @@ class GuardedServer:
         true_s: Callable[[], float] | None = None,
         seeking: SeekSocket | None = None,
         wall: WallPages | None = None,
+        pictures: PicturesSocket | None = None,
     ) -> "GuardedServer":
         """Listen on `host` and `port` (0: any free one) and build the server on top.
 
         Each page gets the script by which a person operates `cockpit`. `true_s` is up to when what
         was drawn is true (`time.monotonic`): who drives by what is too old is not heard. None is
-        for pages that show nothing of the present. By `seeking` a page moves in time; `wall` is
-        what recorded moments are chosen from.
+        for pages that show nothing of the present. By `seeking` a page moves in time, `wall` is
+        what recorded moments are chosen from, and `pictures` are what each of several robots sees.
 
         Raises:
             SetupError: the port is taken, or the host is not one of this machine.
@@ -84,8 +92,13 @@ class GuardedServer:
         access = AccessControl(host, listener.getsockname()[1], token or secrets.token_urlsafe(24))
         inspection, operators = Inspection(), OperatorSocket(cockpit, label)
         seeking = seeking or SeekSocket()
+        own = {
+            operator_socket.PATH: operators.serve,
+            seek_socket.PATH: seeking.serve,
+            pictures_socket.PATH: (pictures or PicturesSocket()).serve,
+        }
         try:
-            with _wrapped_serve(access, listener, inspection, operators, seeking, wall), _quiet():
+            with _wrapped_serve(access, listener, inspection, own, wall), _quiet():
                 server = viser.ViserServer(host=host, port=access.port, label=label, verbose=False)
         except BaseException:
             listener.close()
@@ -135,14 +148,13 @@ def _wrapped_serve(
     access: AccessControl,
     listener: socket.socket,
     inspection: Inspection,
-    operators: OperatorSocket,
-    seeking: SeekSocket,
+    own: Mapping[str, Callable[[ServerConnection], Awaitable[None]]],
     wall: WallPages | None,
 ) -> Iterator[None]:
     """While viser starts, put the guards in front of the one server that it opens, on `listener`.
 
-    `access` says who comes in, `inspection` what viser hears of those, and `operators` serves the
-    page's own websocket beside viser's, as `seeking` does another; `wall` gives files.
+    `access` says who comes in, `inspection` what viser hears of those, and `own` serves the page's
+    own websockets beside viser's, by their path; `wall` gives files.
     """
     serve: Any = websockets.asyncio.server.serve
     used = False
@@ -155,10 +167,8 @@ def _wrapped_serve(
 
         async def route(connection: ServerConnection) -> None:
             assert connection.request is not None
-            if access.inside(connection.request) == operator_socket.PATH:
-                await operators.serve(connection)
-            elif access.inside(connection.request) == seek_socket.PATH:
-                await seeking.serve(connection)
+            if (serve_own := own.get(access.inside(connection.request))) is not None:
+                await serve_own(connection)
             elif connection.subprotocol == SUBPROTOCOL:
                 paced = PacedConnection(InspectedConnection(connection, inspection))
                 marking = asyncio.create_task(paced.keep_marking())

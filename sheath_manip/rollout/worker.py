@@ -41,7 +41,7 @@ class Answer:
 
 def serve(connection: Connection) -> None:
     """Answer errands until there are no more."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=end_with_parent, daemon=True).start()
     with single_threaded(), Workplace() as workplace:
         while True:
             try:
@@ -82,7 +82,7 @@ def run_errand(errand: Errand, workplace: Workplace) -> Answer:
     return Answer()
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
     """A worker that outlived a killed run would write beside the one that resumes it."""
     parent = multiprocessing.parent_process()
     if parent is not None:

@@ -19,26 +19,27 @@ const send = (message) => {
 };
 // With the number of the newest stop that was shown: a reset clears no other one.
 // Where nothing runs any longer there is nothing to order, but for what is never refused.
-const order = (name) => {
+const order = (name, value) => {
   if (state.over && name !== "emergency-stop") return;
-  send({ order: name, ...(state.stops != null && { seen: state.stops }) });
+  const shown = { ...(state.stops != null && { seen: state.stops }), ...(state.robot && { robot: state.robot }) };
+  send({ order: name, ...shown, ...(value != null && { value }) });
 };
 const hold = (source, name) => { held.set(source, name); look(); };
 const release = (source) => { if (held.delete(source)) look(); };
 const letGo = () => { held.clear(); look(); };
 
+const here = `${location.host}${location.pathname.replace(/\/$/, "")}`;
+const socketAt = (path) => `${location.protocol === "https:" ? "wss" : "ws"}://${here}${path}`;
 const labels = makeLabels(() => deck.name());
 const deck = makeDeck({ guide: settings.guide, labels, order, hold, release });
+const robots = makeRobots({ order, path: socketAt(settings.pictures) });
 const notice = makeNotice(settings.title), attention = makeAttention(deck.corner), unname = keepNamed();
 const dark = matchMedia("(prefers-color-scheme: dark)"), narrow = matchMedia("(max-width: 1199px)");
 const introduce = () => send({ station: settings.station, dark: dark.matches, narrow: narrow.matches });
 
-const here = `${location.host}${location.pathname.replace(/\/$/, "")}`;
-
 function connect() {
   if (closed || link.otherRun || link.finished) return;
-  const scheme = location.protocol === "https:" ? "wss" : "ws";
-  socket = new WebSocket(`${scheme}://${here}${settings.path}`);
+  socket = new WebSocket(socketAt(settings.path));
   socket.onopen = () => { introduce(); lastSent = ""; look(); };
   socket.onmessage = (event) => {
     state = JSON.parse(event.data);
@@ -94,11 +95,12 @@ function look() {
 function show() {
   // Not at the first look: what came while the page itself was busy is heard only after it.
   link.lost = missed > 1;
-  const words = noticeWords(state, link, labels);
+  const words = fleetWords(state, noticeWords(state, link, labels));
   text = words[0];
   notice.show(words);
   // STOP stays where it is also while a connection is made anew.
   deck.show(state, operated && !link.finished);
+  robots.show(state, !link.finished);
 }
 
 const timers = [
@@ -121,7 +123,7 @@ window.sheathOperator = {
     closed = true;
     timers.forEach(clearInterval);
     for (const [target, name, act] of listening) target.removeEventListener(name, act, true);
-    for (const each of [notice, deck, style]) each.remove();
+    for (const each of [notice, deck, robots, style]) each.remove();
     unname();
     attention.close();
     socket?.close();

@@ -35,7 +35,12 @@ class Cameras:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Show what was seen before the shown step."""
-        if snapshot.step is None or not self._limiter.should_draw(snapshot):
+        if snapshot.step is None:
+            # Else another episode's last image, of another robot even, would pass for this one's.
+            for handle in self._images.values():
+                handle.visible = False
+            return
+        if not self._limiter.should_draw(snapshot):
             return
         for name, image in snapshot.step.observation.images.items():
             if name in self._images:

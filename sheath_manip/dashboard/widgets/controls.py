@@ -94,7 +94,7 @@ class Controls:
     def _give(self, order: Order, event: viser.GuiEvent, value: float = 1.0) -> None:
         if event.client_id is not None:
             station = station_of(event.client_id)
-            self._cockpit.order(order, station, value, self._drawn.stops)
+            self._cockpit.order(order, station, value, self._drawn.stops, self._drawn.robot)
         self._context.wake()
 
 
