@@ -69,7 +69,7 @@ class Dashboard(Closes):
         seeking = SeekSocket()
         self._server = GuardedServer.open(
             *(host, port, token, label, self.cockpit, self._true_s, seeking),
-            PicturesSocket(pictures),
+            pictures=PicturesSocket(pictures),
         )
         # Else the loop waits up to 5 ms for its turn where a drawing is under way.
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL_S))

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pytest
+
 from sheath_manip.rollout.asked import asked_in
 from sheath_manip.rollout.simulated_operator import OperatorConfig
 from sheath_manip.types import Actor, Outcome, Reason
@@ -15,6 +17,9 @@ ROBOTS, EPISODES, PATIENCE_S = 4, 6, 2.0
 QUICK = OperatorConfig(reaction_s=0.1, reaction_spread_s=0.0, attention_s=0.2)
 
 
+# Four robots, the person and the page's socket each want a part of two cores, and what is judged is
+# the time that they take.
+@pytest.mark.soak
 def test_four_robots_are_served_without_a_failure_and_none_waits_too_long():
     """Each scene is one in which the policy alone fails; so is one robot's without an answer."""
     twin = Corridor(24)

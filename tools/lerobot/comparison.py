@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sheath_manip.adapters.lerobot import load_policy
-from sheath_manip.experiments.takeovers.schedules import random_blocks
+from sheath_manip.experiments.takeovers.schedules import Gated, random_blocks
 from sheath_manip.experiments.takeovers.trial import Trial
 from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.making import make_gate
@@ -78,8 +78,10 @@ class SeedRun:
         shown = self.workshop.episodes(SHEATH, number)
         if method == BLOCKS:
             trials = [Trial.of(episode, failing=False) for episode in shown]
+            # It is not tried alone on the scenes that it learns on: its time is what it had there.
+            own_steps = [trial.steps - trial.expert_steps for trial in trials]
             draws = generator("lerobot", BLOCKS, self.seed, number, index)
-            return ScheduledTakeovers(random_blocks(trials, index, draws))
+            return ScheduledTakeovers(random_blocks(Gated(trials, own_steps), index, draws))
         share = self.workshop.result(name_of(SHEATH, number))["learning"]["expert_share"]
         return RandomTakeover(share, query=False)
 

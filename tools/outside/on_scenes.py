@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.study import Study
-from sheath_manip.experiments.takeovers.schedules import SCHEDULES
+from sheath_manip.experiments.takeovers.schedules import SCHEDULES, Gated
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_trials
 from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.gates.scheduled import ScheduledTakeovers
@@ -99,7 +99,8 @@ class OnScenes:
         # Equal in all scenes together, not in those alone in which the policy fails.
         gated = [replace(trial, failing=False) for trial in known[GATED]]
         draws = generator(SCENES, way, self.seed, index)
-        return ScheduledTakeovers(SCHEDULES[way](gated, index, draws))
+        alone_steps = [trial.steps for trial in known[ALONE]]
+        return ScheduledTakeovers(SCHEDULES[way](Gated(gated, alone_steps), index, draws))
 
     def _path(self, way: str) -> Path:
         return self.folder / f"{way}.json"
