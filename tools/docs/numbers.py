@@ -8,6 +8,7 @@ from typing import Any
 
 from sheath_manip.experiments.burdens import overall_burdens
 from sheath_manip.experiments.claims import UNINFORMED, uninformed
+from sheath_manip.experiments.takeovers.table import GATE
 from sheath_manip.metrics import endings
 
 Figures = Mapping[str, Any]
@@ -101,6 +102,16 @@ def burden_cells(method: Figures, control_rate_hz: float) -> str:
 def written(value: float | None, form: str, unit: str = "") -> str:
     """Return a number as `form` says, with its unit; a dash where there is none."""
     return "–" if value is None else f"{value:{form}}{unit}"
+
+
+def best_uninformed(target: Figures) -> Figures:
+    """Return the `name` and the figures (`of`) of what looks at nothing and leaves fewest failing.
+
+    `target` is one burden at which gate and baselines were compared.
+    """
+    others = {name: of for name, of in target["ways"].items() if name != GATE}
+    name = min(others, key=lambda each: others[each]["rate"])
+    return {"name": name, "of": others[name]}
 
 
 def alike(summary: Figures) -> str:

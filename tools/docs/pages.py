@@ -20,6 +20,7 @@ NOTE = "<!-- Made by `python -m tools.make_docs` from {source}; change that. -->
 NUMBERS = (
     numbers.alike,
     numbers.auroc,
+    numbers.best_uninformed,
     numbers.burden_cells,
     numbers.ended,
     numbers.failing_rounds,

@@ -29,12 +29,11 @@ from sheath_manip.experiments.takeovers.jobs import (
     ORACLE,
 )
 from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH
+from sheath_manip.experiments.takeovers.table import GATE
 from sheath_manip.experiments.takeovers.trial import read_trials
 from sheath_manip.experiments.takeovers.trying import GateChoice
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.files.json_files import plain
-
-GATE = "gate"
 
 
 def summarise(

@@ -10,8 +10,10 @@ from rich.table import Table
 from sheath_manip.experiments.table import with_interval
 from sheath_manip.experiments.takeovers.plan import TAKEOVERS
 
+GATE = "gate"
+"""the way beside which the others are baselines"""
 NAMES = {
-    "gate": "gate",
+    GATE: "gate",
     "random-blocks": "  random blocks",
     "own-at-random-times": "  its own at random times",
     "another-scenes": "  another scene's",
@@ -53,7 +55,7 @@ def _of_task(name: str, found: Mapping[str, Any]) -> Table:
         for way, of in target["ways"].items():
             burden = of["burden"]
             grid.add_row(
-                wanted(target) if way == "gate" else "",
+                wanted(target) if way == GATE else "",
                 NAMES[way],
                 with_interval(100 * of["rate"], [100 * end for end in of["ci95"]]),
                 str(of["scenes"]),
