@@ -13,11 +13,18 @@ from rich.console import Console
 from sheath_manip.exceptions import ParameterError, StoreError, UnknownNameError
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.benchmark import run_takeovers
-from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, Quota, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import (
+    BASELINES_OF,
+    FRESH,
+    GateChoice,
+    Kind,
+    Quota,
+    TakeoversPlan,
+)
 from sheath_manip.experiments.takeovers.recalled import RecallingGate
 from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials
-from sheath_manip.experiments.takeovers.trying import GateChoice, Place, try_gates
+from sheath_manip.experiments.takeovers.trying import Place, try_gates
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.rollout import rollout
@@ -33,8 +40,7 @@ SMALL = TakeoversPlan(
     seeds=(0,),
     rounds=(0, 1),
     scenes=Quota(failing=3, succeeding=1, most=12),
-    signals=("default", "precedent"),
-    turns_s=(0.3,),
+    kinds=(Kind("default", 0.3), Kind("precedent", 0.3, notices_stuck=True)),
     levels=(-1.0, 0.0, 0.3),
     takeovers=(0.5, 1.0),
     shares=(0.1,),
@@ -133,7 +139,7 @@ def test_going_on_from_the_first_takeover_is_the_whole_episode(whole):
     config = replace(fitted.config, minimum_hold_steps=hold, labels="own")
     checkpoint = replace(checkpoint, fitted=replace(fitted, config=config, threshold=threshold))
     here = Place(at, FRESH, environment, checkpoint)
-    (tried,) = try_gates(at, FRESH, [GateChoice("default", 0.3, 0.3)])
+    (tried,) = try_gates(at, FRESH, [GateChoice("default", 0.3, notices_stuck=True, level=0.3)])
     began_late = 0
     for scene, trial in zip(here.scenes, tried, strict=True):
         alone = here.alone(scene)

@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from sheath_manip.exceptions import ParameterError, StoreError
-from sheath_manip.experiments.takeovers.plan import TAKEOVERS, TUNING, TakeoversPlan
+from sheath_manip.experiments.takeovers.plan import TAKEOVERS, TUNING, GateChoice, Kind
 from sheath_manip.experiments.takeovers.trial import (
     Trial,
     mean_share,
     mean_takeovers,
     read_trials,
 )
-from sheath_manip.experiments.takeovers.trying import GateChoice
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.files.json_files import write_json
 
@@ -29,11 +28,6 @@ class Rung:
     """takeovers an episode, or the expert's share"""
     failed: float
     """share of the scenes"""
-
-
-def kinds(plan: TakeoversPlan) -> list[tuple[str, float]]:
-    """Return the kinds of gate that are tried, as (signal, shortest turn)."""
-    return [(signal, turn_s) for signal in plan.signals for turn_s in plan.turns_s]
 
 
 def level_name(level: float) -> str:
@@ -63,7 +57,7 @@ def at_burden(ladder: Sequence[Rung], burden: float) -> tuple[float, float]:
 def choose(policies: Sequence[Watched]) -> dict[str, GateChoice]:
     """Return the gate of each target: of each axis the kind that fails least over its targets."""
     plan = policies[0].plan
-    tuned = {kind: _tuned(policies, *kind) for kind in kinds(plan)}
+    tuned = {kind: _tuned(policies, kind) for kind in plan.kinds}
     if not any(trials for by_level in tuned.values() for trials in by_level.values()):
         raise ParameterError(
             f"no policy of {policies[0].study.name} fails alone on a tuning scene, so there is "
@@ -78,7 +72,7 @@ def choose(policies: Sequence[Watched]) -> dict[str, GateChoice]:
         )
         for value in values:
             level, _ = at_burden(ladders[kind], value)
-            chosen[target_name(axis, value)] = GateChoice(*kind, level)
+            chosen[target_name(axis, value)] = GateChoice.of(kind, level)
     return chosen
 
 
@@ -86,11 +80,11 @@ def tuning_table(policies: Sequence[Watched]) -> dict[str, dict[str, list[Rung]]
     """Return the ladders by kind and axis, for summaries."""
     plan = policies[0].plan
     return {
-        GateChoice(*kind, 0.0).kind: {
-            axis: _ladder(axis, _tuned(policies, *kind))
+        kind.name: {
+            axis: _ladder(axis, _tuned(policies, kind))
             for axis in dict.fromkeys(axis for axis, _ in plan.targets())
         }
-        for kind in kinds(plan)
+        for kind in plan.kinds
     }
 
 
@@ -114,12 +108,11 @@ def read_choices(path: Path) -> dict[str, GateChoice]:
         ) from error
 
 
-def _tuned(policies: Sequence[Watched], signal: str, turn_s: float) -> dict[float, list[Trial]]:
+def _tuned(policies: Sequence[Watched], kind: Kind) -> dict[float, list[Trial]]:
     """All policies' trials on tuning scenes that fail alone, by level."""
-    kind = GateChoice(signal, turn_s, 0.0).kind
     by_level: dict[float, list[Trial]] = {level: [] for level in policies[0].plan.levels}
     for at in policies:
-        trials = read_trials(at.trials_path(TUNING, kind))
+        trials = read_trials(at.trials_path(TUNING, kind.name))
         for level, found in by_level.items():
             found += [trial for trial in trials[level_name(level)] if trial.failing]
     return by_level

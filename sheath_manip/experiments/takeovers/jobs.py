@@ -7,18 +7,24 @@ from sheath_manip.experiments.learning import Job as Learn
 from sheath_manip.experiments.takeovers.alone import Alone, alone_on, try_alone
 from sheath_manip.experiments.takeovers.choosing import (
     choose,
-    kinds,
     level_name,
     read_choices,
     target_name,
     write_choices,
 )
 from sheath_manip.experiments.takeovers.oracle import try_oracle
-from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH, METHOD, TUNING
+from sheath_manip.experiments.takeovers.plan import (
+    BASELINES_OF,
+    FRESH,
+    METHOD,
+    TUNING,
+    GateChoice,
+    Kind,
+)
 from sheath_manip.experiments.takeovers.schedules import SCHEDULES, Gated
 from sheath_manip.experiments.takeovers.scoring import fit_and_score, scene_key
 from sheath_manip.experiments.takeovers.trial import Trial, read_trials, write_trials
-from sheath_manip.experiments.takeovers.trying import GateChoice, try_gates, try_schedules
+from sheath_manip.experiments.takeovers.trying import try_gates, try_schedules
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.protocols import Listener, Report
 from sheath_manip.rollout.executor import Executor
@@ -63,17 +69,17 @@ class Tune:
     """Try one kind of gate on tuning scenes, at every level."""
 
     at: Watched
-    signal: str
-    turn_s: float
+    kind: Kind
 
     def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
         del executor, listeners
         levels = self.at.plan.levels
-        choices = [GateChoice(self.signal, self.turn_s, level) for level in levels]
-        path = self.at.trials_path(TUNING, choices[0].kind)
+        path = self.at.trials_path(TUNING, self.kind.name)
         if not path.exists():
-            tried = try_gates(self.at, TUNING, choices)
+            tried = try_gates(
+                self.at, TUNING, [GateChoice.of(self.kind, level) for level in levels]
+            )
             write_trials(path, dict(zip(map(level_name, levels), tried, strict=True)))
         report(f"{self.at.study.name} {self.at.name} tuning")
 
@@ -177,7 +183,7 @@ def stages(policies: Sequence[Watched]) -> list[list[AnyJob]]:
         learn,
         [DriveAlone(at, lot) for at in policies for lot in (FRESH, TUNING)],
         [FitGates(at) for at in policies],
-        [Tune(at, *kind) for at in policies for kind in kinds(at.plan)],
+        [Tune(at, kind) for at in policies for kind in at.plan.kinds],
         [Choose(each) for each in of_task],
         [TryChosen(at) for at in policies],
         [*map(TryBaselines, policies), *map(TryOracle, policies)],

@@ -46,7 +46,7 @@ def _saved(here: Place, scene: Scene) -> Trial:
     """Put the expert in just before it is too late, again and again until the scene succeeds."""
     alone = here.alone(scene)
     rate_hz = here.environment.spec.control_rate_hz
-    turn_steps = max(1, round(min(here.at.plan.turns_s) * rate_hz))
+    turn_steps = max(1, round(here.at.plan.oracle_turn_s * rate_hz))
     outcome, begun, turns = alone.outcome, 0, []
     steps: list[Step] = list(alone.steps)
     while outcome is not Outcome.SUCCESS and len(turns) < MOST_TURNS:

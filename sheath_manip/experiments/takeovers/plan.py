@@ -46,6 +46,45 @@ class Quota:
 
 
 @dataclass(frozen=True)
+class Kind:
+    """A gate without its threshold."""
+
+    signal: str
+    """by which it judges: `default` is the task's own, `precedent` its precedents alone, others by
+    name"""
+    turn_s: float
+    """shortest turn of the expert; 0: a step"""
+    notices_stuck: bool = False
+    """whether it takes over as well where nothing goes on, by the rule of the task's own gate"""
+
+    @property
+    def name(self) -> str:
+        """In files."""
+        return f"{self.signal}-{self.turn_s:g}s{'-stuck' if self.notices_stuck else ''}"
+
+
+KINDS = tuple(
+    Kind(signal, turn_s, notices_stuck)
+    for signal in ("default", "precedent")
+    # A share goes farthest in single steps, and a call in turns of two seconds.
+    for turn_s, notices_stuck in ((0.0, False), (1.0, False), (2.0, False), (2.0, True))
+)
+
+
+@dataclass(frozen=True)
+class GateChoice(Kind):
+    """A gate."""
+
+    level: float = 0.0
+    """where its threshold lies, see `level_threshold`"""
+
+    @classmethod
+    def of(cls, kind: Kind, level: float) -> Self:
+        """Return the gate of a kind with a threshold."""
+        return cls(kind.signal, kind.turn_s, kind.notices_stuck, level)
+
+
+@dataclass(frozen=True)
 class TakeoversPlan:
     """The settings of the benchmark; the same plan and seeds give the same result."""
 
@@ -63,12 +102,9 @@ class TakeoversPlan:
     """length of a scene; None: it is the whole episode"""
     tuning_share: float = 0.4
     """of those numbers, for the tuning lot"""
-    signals: tuple[str, ...] = ("default", "precedent")
-    """that gates judge by: `default` is the task's own, `precedent` its precedents alone; others by
-    name"""
-    turns_s: tuple[float, ...] = (0.5, 1.0)
-    """shortest turns of the expert that are tried"""
-    levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.01, 0.03, 0.08)
+    kinds: tuple[Kind, ...] = KINDS
+    """gates that are tried"""
+    levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.005, 0.01, 0.02, 0.04, 0.08)
     """thresholds that are tried, see `level_threshold`"""
     takeovers: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
     """an episode that fails alone, at which gates and baselines are compared"""
@@ -76,11 +112,13 @@ class TakeoversPlan:
     """of the steps of such an episode, at which they are compared"""
     oracle: int = 3
     """failing scenes of each policy on which the oracle is tried"""
+    oracle_turn_s: float = 0.5
+    """length of its turns"""
     by_task: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """fields that are others for a task, by its name"""
 
     def __post_init__(self) -> None:
-        for name in ("seeds", "rounds", "signals", "turns_s", "takeovers", "shares"):
+        for name in ("seeds", "rounds", "kinds", "takeovers", "shares"):
             if not getattr(self, name):
                 raise ParameterError(f"{name} is empty; wanted at least one")
         if len(self.levels) < 2 or list(self.levels) != sorted(set(self.levels)):
@@ -91,6 +129,11 @@ class TakeoversPlan:
     def for_task(self, name: str) -> Self:
         """Return the plan as it is for one task."""
         return dataclasses.replace(self, **self.by_task.get(name, {}), by_task={})
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """The signals that the kinds judge by."""
+        return tuple(dict.fromkeys(kind.signal for kind in self.kinds))
 
     def quota(self, lot: str) -> Quota:
         """Return how many scenes of a lot there are."""
@@ -138,8 +181,7 @@ PLANS = {
         seeds=(0,),
         rounds=(0,),
         scenes=Quota(failing=3, succeeding=1, most=8),
-        signals=("default",),
-        turns_s=(0.5,),
+        kinds=(Kind("default", 0.5),),
         levels=(-0.5, 0.0, 0.1),
         takeovers=(1.0,),
         shares=(0.08,),

@@ -12,7 +12,6 @@ from sheath_manip.experiments.claims import read_summary
 from sheath_manip.experiments.summary import program
 from sheath_manip.experiments.takeovers.alone import Alone
 from sheath_manip.experiments.takeovers.choosing import (
-    kinds,
     read_choices,
     target_name,
     tuning_table,
@@ -31,7 +30,6 @@ from sheath_manip.experiments.takeovers.jobs import (
 from sheath_manip.experiments.takeovers.plan import BASELINES_OF, FRESH
 from sheath_manip.experiments.takeovers.table import GATE
 from sheath_manip.experiments.takeovers.trial import read_trials
-from sheath_manip.experiments.takeovers.trying import GateChoice
 from sheath_manip.experiments.takeovers.watched import Watched
 from sheath_manip.files.json_files import plain
 
@@ -92,7 +90,7 @@ def _of_task(policies: Sequence[Watched]) -> dict[str, Any]:
             kind: {axis: [dataclasses.asdict(rung) for rung in of] for axis, of in axes.items()}
             for kind, axes in tuning_table(policies).items()
         },
-        "kinds": [GateChoice(*kind, 0.0).kind for kind in kinds(plan)],
+        "kinds": [kind.name for kind in plan.kinds],
         "targets": [
             {
                 "axis": axis,

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.experiments.takeovers.alone import Alone, Scene, alone_on
+from sheath_manip.experiments.takeovers.plan import GateChoice
 from sheath_manip.experiments.takeovers.recalled import RecallingGate
 from sheath_manip.experiments.takeovers.schedules import Turns
 from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
@@ -22,22 +23,6 @@ from sheath_manip.rollout.cached_expert import CachedExpert
 from sheath_manip.rollout.request import Crew, EpisodeRequest, run_request
 from sheath_manip.support.calibration import level_threshold
 from sheath_manip.types import Episode
-
-
-@dataclass(frozen=True)
-class GateChoice:
-    """A gate: by what it judges, how long a turn is at least, and where its threshold lies."""
-
-    signal: str
-    """one of the plan's"""
-    turn_s: float
-    level: float
-    """see `level_threshold`"""
-
-    @property
-    def kind(self) -> str:
-        """Of the gate, without its threshold."""
-        return f"{self.signal}-{self.turn_s:g}s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +116,9 @@ def _under_gate(
     fitted = here.checkpoint.fitted
     hold = max(1, round(choice.turn_s * here.environment.spec.control_rate_hz))
     config = replace(fitted.config, minimum_hold_steps=hold, labels="own")
-    checkpoint = replace(
-        here.checkpoint, fitted=replace(fitted, config=config, threshold=threshold)
-    )
+    progress = fitted.progress if choice.notices_stuck else None
+    fitted = replace(fitted, config=config, threshold=threshold, progress=progress)
+    checkpoint = replace(here.checkpoint, fitted=fitted)
     gate = RecallingGate(checkpoint.gate(), alone.steps, scores)
     if gate.first is None:
         return Trial.alone(alone, scene.failing)

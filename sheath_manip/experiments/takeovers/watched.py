@@ -117,6 +117,6 @@ class Watched:
             "default": gate.signal,
             "precedent": PRECEDENTS.get(gate.signal, gate.signal),
         }.get(signal, signal)
-        # What takes over without regard to the signal would hide what the signal is worth.
-        without = ("release_rate", "quiet_steps", "minimum_hold_steps", "stuck_steps")
+        # These are the kind's to say.
+        without = ("release_rate", "quiet_steps", "minimum_hold_steps")
         return self.learning.changed(gate={"signal": named, **dict.fromkeys(without, 0)}).gate
