@@ -8,7 +8,7 @@ import threading
 from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Protocol
 
 import rich
 import viser
@@ -47,6 +47,14 @@ SOCKETS = ("/", operator_socket.PATH, seek_socket.PATH, pictures_socket.PATH)
 """where there is a websocket"""
 
 _serve_is_wrapped = threading.Lock()
+
+
+class OwnSocket(Protocol):
+    """A websocket of the page's own."""
+
+    async def serve(self, connection: ServerConnection) -> None:
+        """Serve one page, until its connection ends."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,10 +100,10 @@ class GuardedServer:
         access = AccessControl(host, listener.getsockname()[1], token or secrets.token_urlsafe(24))
         inspection, operators = Inspection(), OperatorSocket(cockpit, label)
         seeking = seeking or SeekSocket()
-        own = {
-            operator_socket.PATH: operators.serve,
-            seek_socket.PATH: seeking.serve,
-            pictures_socket.PATH: (pictures or PicturesSocket()).serve,
+        own: dict[str, OwnSocket] = {
+            operator_socket.PATH: operators,
+            seek_socket.PATH: seeking,
+            pictures_socket.PATH: pictures or PicturesSocket(),
         }
         try:
             with _wrapped_serve(access, listener, inspection, own, wall), _quiet():
@@ -148,7 +156,7 @@ def _wrapped_serve(
     access: AccessControl,
     listener: socket.socket,
     inspection: Inspection,
-    own: Mapping[str, Callable[[ServerConnection], Awaitable[None]]],
+    own: Mapping[str, OwnSocket],
     wall: WallPages | None,
 ) -> Iterator[None]:
     """While viser starts, put the guards in front of the one server that it opens, on `listener`.
@@ -167,8 +175,8 @@ def _wrapped_serve(
 
         async def route(connection: ServerConnection) -> None:
             assert connection.request is not None
-            if (serve_own := own.get(access.inside(connection.request))) is not None:
-                await serve_own(connection)
+            if (ours := own.get(access.inside(connection.request))) is not None:
+                await ours.serve(connection)
             elif connection.subprotocol == SUBPROTOCOL:
                 paced = PacedConnection(InspectedConnection(connection, inspection))
                 marking = asyncio.create_task(paced.keep_marking())

@@ -75,6 +75,6 @@ def test_success_and_burden_are_told_of_all_training_seeds_together():
     burden = ways[GATED]["burden"]
     assert burden["takeovers_an_episode"] == 2.0
     assert burden["takeovers_a_minute"] == pytest.approx(24.0)
-    assert burden["share"] == pytest.approx(0.3)
+    assert ways[GATED]["expert_share"] == pytest.approx(0.3)
     assert ways[GATED]["fails_more_than_gated_ci95"] == [0.0, 0.0]
     assert ways["random-steps"]["fails_more_than_gated_ci95"][1] > 0

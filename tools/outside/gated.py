@@ -20,7 +20,7 @@ import tyro
 
 from sheath_manip.experiments.summary import program
 from sheath_manip.experiments.takeovers.figures_of_trials import burden_of, difference
-from sheath_manip.experiments.takeovers.trial import Trial
+from sheath_manip.experiments.takeovers.trial import Trial, mean_share
 from sheath_manip.files.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.resuming import require_same_plan
@@ -103,6 +103,7 @@ def _found(trials: Trials, way: str, control_rate_hz: float) -> dict[str, Any]:
             for seed, ways in trials.items()
         },
         "burden": asdict(burden_of(of, control_rate_hz)),
+        "expert_share": mean_share(of),
         # Of scenes in which the policy alone succeeds; of itself, none.
         "broken": sum(trial.fails and not trial.failing for trial in of) if way != ALONE else 0,
         "fails_more_than_gated_ci95": difference(
