@@ -99,7 +99,9 @@ def test_the_level_of_a_burden_lies_between_two_that_were_tried():
     level, failed = at_burden(ladder, 0.6)
     assert (level, failed) == pytest.approx((-0.5, 0.6))
     assert at_burden(ladder, 9.0) == pytest.approx((0.2, 0.1))
-    assert at_burden(ladder, 0.0) == pytest.approx((-1.0, 0.8))
+    # Who may ask for nothing saves nothing.
+    assert at_burden(ladder, 0.0) == pytest.approx((-1.0, 1.0))
+    assert at_burden(ladder, 0.1) == pytest.approx((-1.0, 0.9))
 
 
 @pytest.mark.parametrize("last", [3, 4, 18, 19])

@@ -43,7 +43,9 @@ def burden_of(axis: str, trials: Sequence[Trial]) -> float:
 def at_burden(ladder: Sequence[Rung], burden: float) -> tuple[float, float]:
     """Return the level at which a gate asks for `burden`, and the share that it fails there.
 
-    Both are interpolated; beyond the ladder's ends it is the end.
+    Both are interpolated, and beyond the ladder's ends it is the end. But below its least burden the
+    share that fails is that towards nobody's taking over, when all do: a gate that asks for more
+    than it may has no merit of what it does for that.
     """
     levels, burdens, failed = (
         np.array([getattr(rung, name) for rung in ladder]) for name in ("level", "burden", "failed")
@@ -51,7 +53,8 @@ def at_burden(ladder: Sequence[Rung], burden: float) -> tuple[float, float]:
     # A burden that falls again with a higher threshold is noise of few scenes.
     burdens = np.maximum.accumulate(burdens)
     burdens = burdens + 1e-9 * np.arange(len(burdens))
-    return float(np.interp(burden, burdens, levels)), float(np.interp(burden, burdens, failed))
+    share = np.interp(burden, [0.0, *burdens], [1.0, *failed])
+    return float(np.interp(burden, burdens, levels)), float(share)
 
 
 def choose(policies: Sequence[Watched]) -> dict[str, GateChoice]:

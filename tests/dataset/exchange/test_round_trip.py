@@ -34,8 +34,12 @@ def bytes_of(path: Path) -> dict[str, bytes]:
     return {file.relative_to(path).as_posix(): file.read_bytes() for file in files}
 
 
+OTHERS = [pytest.param(name, marks=pytest.mark.soak) for name in TASKS if name != "driving"]
+"""whose episodes have nothing that those of the toy or of driving have not"""
+
+
 @pytest.mark.parametrize("target", FORMATS)
-@pytest.mark.parametrize("task", ["corridor", *TASKS])
+@pytest.mark.parametrize("task", ["corridor", "driving", *OTHERS])
 @cases(
     3,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
