@@ -43,9 +43,9 @@ def burden_of(axis: str, trials: Sequence[Trial]) -> float:
 def at_burden(ladder: Sequence[Rung], burden: float) -> tuple[float, float]:
     """Return the level at which a gate asks for `burden`, and the share that it fails there.
 
-    Both are interpolated, and beyond the ladder's ends it is the end. But below its least burden the
-    share that fails is that towards nobody's taking over, when all do: a gate that asks for more
-    than it may has no merit of what it does for that.
+    Both are interpolated; beyond the ladder's ends it is the end. But below its least burden the
+    share that fails rises towards that of nobody's taking over, which is all: a gate that asks for
+    more than it may has no merit of what it does for that.
     """
     levels, burdens, failed = (
         np.array([getattr(rung, name) for rung in ladder]) for name in ("level", "burden", "failed")
