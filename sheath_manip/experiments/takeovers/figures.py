@@ -41,17 +41,12 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
     # The burden that a person can live with: one call an episode, or the nearest there is to it.
     told = min(targets, key=lambda each: abs(each["value"] - (1.0 if axis == TAKEOVERS else 0.08)))
     gate, other = (told["ways"][name] for name in ("gate", BASELINES_OF[axis][0]))
-    burden = gate["burden"]
-    asked = (
-        f"{burden['takeovers_an_episode']:.2g} takeovers an episode"
-        if axis == TAKEOVERS
-        else f"{in_percent(gate['expert_share'])} of the steps"
-    )
     with drawing(path, height_px=1000) as figure:
         heading(
             figure,
-            f"{task}: at {asked} the gate leaves {gate['failed']} of {scenes} scenes failing, "
-            f"{NAMES[BASELINES_OF[axis][0]].strip()} {other['failed']}",
+            f"{task}: the gate leaves {gate['failed']} of {scenes} scenes failing at "
+            f"{_asked(gate, axis)}, {NAMES[BASELINES_OF[axis][0]].strip()} {other['failed']} at "
+            f"{_asked(other, axis)}",
             "scenes in which the policies fail alone, fresh ones, each way on the same; bars are "
             "95 % intervals by scene; gate and threshold were chosen on other scenes",
         )
@@ -87,6 +82,12 @@ def _by_burden(task: str, axis: str, found: Mapping[str, Any], path: Path) -> No
 def _burden_of(way: Mapping[str, Any], axis: str) -> float:
     """What is held equal, as it came out."""
     return way["burden"]["takeovers_an_episode"] if axis == TAKEOVERS else way["expert_share"]
+
+
+def _asked(way: Mapping[str, Any], axis: str) -> str:
+    """The burden as words."""
+    burden = _burden_of(way, axis)
+    return f"{burden:.1f} takeovers" if axis == TAKEOVERS else f"{in_percent(burden)} share"
 
 
 def _curve(axes: Axes, axis: str, targets: list[Any], name: str, look: dict[str, Any]) -> None:
