@@ -113,7 +113,7 @@ def test_a_page_that_is_lost_holds_the_robot_it_drove(run):
     run.station.vanish()
     assert eventually(lambda: actor(run, 1) is Actor.HOLD)
     assert watch.took_s < PROMISED_S
-    # It stays so, whoever else drives on, until somebody at a page says who goes on.
+    # It stays so, also while another one drives on, until somebody at a page says who goes on.
     assert eventually(lambda: run.does() == ["asks", "drives", "drives"])
     made = len(run.steps(1))
     time.sleep(0.5)

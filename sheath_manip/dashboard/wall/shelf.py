@@ -108,7 +108,7 @@ class Shelf:
             except StoreError:
                 # Gone while its page is open, which says so wherever it is looked at.
                 continue
-        # Ready for whoever opens the wall first.
+        # Ready for the first one that opens the wall.
         self.told()
 
     def _take(
