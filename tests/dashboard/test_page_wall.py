@@ -10,7 +10,7 @@ from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Replay
 from sheath_manip.dataset.store import EpisodeStore
-from tests.dashboard.wall_store import NOTE, STEPS, replay_of, wall_store
+from tests.dashboard.wall_store import NOTE, STEPS, running_replay, wall_store
 from tools.bench_wall import FILTER_S, PAINT_S, filter_s, nothing_to_see, paint_s
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
 from tools.synthetic_store import SyntheticStore
@@ -26,12 +26,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> EpisodeStore:
 
 @pytest.fixture(scope="module")
 def replay(store: EpisodeStore) -> Iterator[Replay]:
-    with replay_of(store) as page:
-        run = threading.Thread(target=page.run, args=(0,), daemon=True)
-        run.start()
+    with running_replay(store) as page:
         yield page
-    run.join(TIMEOUT_S)
-    assert not run.is_alive()
 
 
 @pytest.fixture(scope="module")

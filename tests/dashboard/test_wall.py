@@ -5,7 +5,6 @@ import http.client
 import json
 import math
 import random
-import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from http import HTTPStatus
@@ -30,7 +29,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.playback.frames import WIDTH_PX
 from sheath_manip.types import Actor, Outcome, Reason
 from tests.dashboard.conftest import TOKEN
-from tests.dashboard.wall_store import NOTE, STEPS, replay_of, wall_store
+from tests.dashboard.wall_store import NOTE, STEPS, running_replay, wall_store
 from tests.waiting import DEADLINE_S, eventually
 
 FOUND = EpisodeMoments(
@@ -49,12 +48,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> EpisodeStore:
 
 @pytest.fixture(scope="module")
 def replay(store: EpisodeStore) -> Iterator[Replay]:
-    with replay_of(store) as page:
-        run = threading.Thread(target=page.run, args=(0,), daemon=True)
-        run.start()
+    with running_replay(store) as page:
         yield page
-    run.join(DEADLINE_S)
-    assert not run.is_alive()
 
 
 def get(replay: Replay, path: str, **headers: str) -> tuple[http.client.HTTPResponse, bytes]:

@@ -1,5 +1,8 @@
 """Episodes on the ring road that a wall has something to tell of."""
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +15,7 @@ from sheath_manip.playback.film import Film, film_of
 from sheath_manip.playback.making import exported
 from sheath_manip.types import Outcome
 from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive
+from tests.waiting import DEADLINE_S
 
 STEPS = 60
 OUTCOMES = (Outcome.FAILURE, Outcome.TIME_LIMIT, Outcome.SUCCESS, Outcome.SUCCESS)
@@ -46,3 +50,14 @@ def replay_of(*stores: EpisodeStore) -> Replay:
         port=0,
         token=TOKEN,
     )
+
+
+@contextmanager
+def running_replay(store: EpisodeStore) -> Iterator[Replay]:
+    """The replay page while it runs, on a thread of its own."""
+    with replay_of(store) as page:
+        run = threading.Thread(target=page.run, args=(0,), daemon=True)
+        run.start()
+        yield page
+    run.join(DEADLINE_S)
+    assert not run.is_alive()

@@ -2,7 +2,9 @@
 
 An episode that fails soon leaves little time to be called in. Were calls drawn by the time that the
 gate's episodes took, which it saved and made long, the baselines would be called less often than
-the gate. They are drawn by the time that the policy alone takes, in which each can still help.
+the gate. They are drawn by the time that the policy alone takes, in which each can still help. What
+is equal so is the rate: where some scenes are much longer than others these get most of the calls,
+and a scene has fewer in the mean than under the gate. Each result says how many there were.
 """
 
 from collections.abc import Callable, Sequence
