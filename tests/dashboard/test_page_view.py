@@ -154,6 +154,9 @@ def test_clicks_and_keys_move_in_time(
     assert box is not None
     strip.click(position={"x": box["width"] * (20.5 / STEPS), "y": box["height"] / 2})
     at(20, "click on the timeline")
+    # The replay is there before the page is: a click means what the plot showed when it was made.
+    first = 20 - SPEC.max_steps // 2
+    page.locator(f'[data-sheath-plot^="{first} "]').wait_for(state="attached")
     plot = page.locator(".u-over")
     box = plot.bounding_box()
     assert box is not None

@@ -52,15 +52,16 @@ def test_a_schedule_asks_as_much_as_the_gate_does(name):
     assert share == pytest.approx(mean_share(GATE[:3]), rel=0.15)
 
 
-def test_blocks_come_as_often_in_the_time_that_the_policy_alone_has():
+def test_each_scene_has_as_many_blocks_as_the_gate_has_in_one_within_the_policys_own_time():
     turns = drawn("random-blocks")
-    begun = np.mean(
-        [
-            begun_in_the_policys_time(each, ALONE_STEPS[place % 3])
-            for place, each in enumerate(turns)
-        ]
-    )
-    assert begun == pytest.approx(mean_takeovers(GATE[:3]), rel=0.1)
+    for place in range(3):
+        here = turns[place::3]
+        assert np.mean([len(each) for each in here]) == pytest.approx(
+            mean_takeovers(GATE[:3]), rel=0.1
+        )
+        assert all(
+            begun_in_the_policys_time(each, ALONE_STEPS[place]) == len(each) for each in here
+        )
     assert {count for each in turns for _, count in each} == {10, 20}
 
 

@@ -171,6 +171,18 @@ PLANS = {
         by_task={
             # Its policies fail seldom.
             "driving": {"scenes": Quota(failing=14, most=240)},
+            # A step of its simulated sheet takes as long as a hundred of driving's.
+            "gauze-cutting": {
+                "rounds": (0, 1),
+                "scenes": Quota(failing=8, succeeding=1, most=60),
+                "kinds": tuple(
+                    kind for kind in KINDS if kind.turn_s != 1.0 and not kind.notices_stuck
+                ),
+                "levels": (-1.0, -0.2, 0.0, 0.02, 0.08),
+                "takeovers": (1.0,),
+                "shares": (0.05, 0.08),
+                "oracle": 1,
+            },
             # Its policies fail several times in every episode.
             "platformer": {"learning": "across", "stretch_s": 6.0},
         }

@@ -67,33 +67,14 @@ def every_so_many(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
 
 
 def random_blocks(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
-    """Blocks that come as often as the gate's turns, each as long as a drawn one of them."""
-    del index
-    failing = gated.failing
-    lengths = [count for trial in failing.trials for _, count in trial.turns]
-    if not lengths:
-        return ()
-    often = min(1.0, len(lengths) / max(sum(failing.alone_steps), 1))
-    turns: list[tuple[int, int]] = []
-    step = 0
-    while True:
-        step += int(rng.geometric(often)) - 1
-        if step >= gated.horizon:
-            return tuple(turns)
-        turns.append((step, lengths[int(rng.integers(len(lengths)))]))
-        step += turns[-1][1]
+    """Turns of the gate's number and lengths in some scene, at random times of the policy's."""
+    trials = gated.failing.trials
+    return _at_random_times(trials[int(rng.integers(len(trials)))], gated.alone_steps[index], rng)
 
 
 def own_at_random(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
     """The gate's own turns in this scene, at random times of the policy's."""
-    lengths = np.asarray([count for _, count in gated.trials[index].turns], int)
-    steps = gated.alone_steps[index]
-    # With a step of the policy between any two, or they were one.
-    begun = np.sort(rng.choice(steps, len(lengths), replace=len(lengths) > steps))
-    ordered = rng.permutation(lengths)
-    # The expert's own steps are none of the policy's.
-    starts = begun + np.cumsum(ordered) - ordered
-    return tuple((int(start), int(count)) for start, count in zip(starts, ordered, strict=True))
+    return _at_random_times(gated.trials[index], gated.alone_steps[index], rng)
 
 
 def anothers(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
@@ -102,6 +83,17 @@ def anothers(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
     if len(trials) < 2:
         return ()
     return trials[(index + int(rng.integers(1, len(trials)))) % len(trials)].turns
+
+
+def _at_random_times(trial: Trial, steps: int, rng: np.random.Generator) -> Turns:
+    """Place a trial's turns anew, each where fewer than `steps` are the policy's before it."""
+    lengths = np.asarray([count for _, count in trial.turns], int)
+    # With a step of the policy between any two, or they were one.
+    begun = np.sort(rng.choice(steps, len(lengths), replace=len(lengths) > steps))
+    ordered = rng.permutation(lengths)
+    # The expert's own steps are none of the policy's.
+    starts = begun + np.cumsum(ordered) - ordered
+    return tuple((int(start), int(count)) for start, count in zip(starts, ordered, strict=True))
 
 
 SCHEDULES: dict[str, Schedule] = {
