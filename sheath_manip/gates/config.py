@@ -43,9 +43,9 @@ class GateConfig:
     signal: str = "joined"
     """signal that the gate looks at, as `sheath tasks` lists it: the support, the precedent of the
     proposed action, or both joined; for continuous actions the precedent is a near one"""
-    embedding: str = "convolutions-and-pixels"
+    embedding: str = "two-scale-contrasts"
     """embedding on which the support is estimated, as `sheath tasks` lists it"""
-    precedent_embedding: str = "foveal-convolutions"
+    precedent_embedding: str = "foveal-contrasts"
     """embedding in which precedents of the policy's action are looked for"""
     support: SupportConfig = field(default_factory=SupportConfig)
     threshold: ThresholdConfig = field(default_factory=ThresholdConfig)

@@ -81,17 +81,16 @@ class While:
         """Store how many steps a while has, at least 2, and (f,) the units of the features."""
         self.steps = steps
         self.spread = spread
-        newest = steps // 2
-        ages = np.arange(newest)
-        # The older half as seen from each state of the newest one: so many steps before it.
-        self._places = ages[:, None], np.arange(newest, steps) - ages[:, None]
+        self._newest = steps // 2
         self.forget()
 
     def forget(self) -> None:
         """Begin an episode."""
         self._rows = np.zeros((self.steps, len(self.spread)), np.float32)
-        self._apart = np.zeros((self.steps, self.steps), np.float32)
-        """squared distances of each state, the newest first, to those before it, by their lag"""
+        """states in a ring"""
+        self._apart = np.zeros((2 * self.steps, 2 * self.steps), np.float32)
+        """squared distances of each state to those before it; the ring is there twice each way, so
+        that what follows each other lies side by side"""
         self._seen = 0
 
     def add(self, features: NDArray) -> float:
@@ -105,11 +104,14 @@ class While:
         self._seen += 1
         differences = self._rows - row
         squared = np.einsum("ij,ij->i", differences, differences)
-        self._apart[1:] = self._apart[:-1]
-        self._apart[0] = squared[(place - np.arange(self.steps)) % self.steps]
+        again = place + self.steps
+        self._apart[place] = self._apart[again] = np.concatenate([squared, squared])
         if self._seen < self.steps or not row.size:
             return np.inf
-        return float(np.sqrt(self._apart[self._places].min(axis=1).max()))
+        # The newest half, and before it the older one.
+        begins = again + 1 - self._newest
+        apart = self._apart[begins : again + 1, place + 1 : begins]
+        return float(np.sqrt(apart.min(axis=1).max()))
 
 
 class ProgressGate:

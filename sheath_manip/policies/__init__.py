@@ -34,6 +34,8 @@ POLICIES: Registry[Callable[..., TrainablePolicy]] = Registry(
 _CONVOLUTIONAL = f"{_HERE}.convolutional_embeddings"
 
 IMAGE_EMBEDDINGS = {
+    "two-scale-contrasts": f"{_RECIPES}:two_scale_contrasts",
+    "foveal-contrasts": f"{_RECIPES}:foveal_contrasts",
     "convolutions-and-pixels": f"{_RECIPES}:convolutions_and_pixels",
     "two-scale-convolutions": f"{_RECIPES}:two_scale_convolutions",
     "foveal-convolutions": f"{_RECIPES}:foveal_convolutions",
@@ -94,7 +96,7 @@ EMBEDDINGS: Registry[Callable[..., Embedding]] = Registry(
     {name: target for table in _TABLES for name, target in table.items()},
 )
 
-DEFAULT_EMBEDDING = "convolutions-and-pixels"
+DEFAULT_EMBEDDING = "two-scale-contrasts"
 
 
 def make_policy(

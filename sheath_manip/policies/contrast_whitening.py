@@ -23,6 +23,18 @@ class ContrastWhitening(Whitening):
 
     uses_displaced: ClassVar[bool] = True
 
+    def __init__(self, most: int | None = None) -> None:
+        """Store the hyperparameter; ParameterError where it leaves nothing.
+
+        Args:
+            most: directions that are kept, of those left the ones with the largest λ; all where
+                None. Each step of a robot pays for every one of them.
+        """
+        if most is not None and most < 1:
+            raise ParameterError(f"most is {most}; wanted at least one direction, or None for all")
+        super().__init__()
+        self.most = most
+
     def fit(self, X: NDArray, displaced: NDArray | None = None) -> Self:
         """Fit to (n, d) vectors and (m, d) of displaced states; ParameterError for any other."""
         super().fit(X)
@@ -42,6 +54,9 @@ class ContrastWhitening(Whitening):
         covariance, _ = ledoit_wolf(Z, assume_centered=True)
         values, vectors = np.linalg.eigh(covariance)
         wider = values > 1
+        # They come in rising order.
+        if self.most is not None:
+            wider[: -self.most] = False
         # Where nothing is wider there is no contrast to judge by, and whitening has to do.
         if wider.any():
             basis = vectors[:, wider] * np.sqrt(1 - 1 / values[wider])

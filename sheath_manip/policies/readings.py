@@ -31,13 +31,21 @@ NO_CAMERA = (
 )
 
 
-def numbered_layers(proposal: Proposal) -> list[torch.Tensor]:
-    """[(n, c, h, w)] what the convolution layers of one camera made of the image, first to last.
+def numbered_layer(proposal: Proposal, number: int) -> torch.Tensor:
+    """(n, c, h, w) what a convolution layer of one camera made of the image.
 
-    Raises ParameterError where the policy has none such.
+    Raises ParameterError where the policy has none of that number.
     """
-    found = [layer for name, layer in _layers(proposal) if name.isdecimal()]
-    return found or _refuse(proposal, "cnn")
+    found = proposal.latents.get(f"{CONVOLUTION}{number}")
+    return _refuse(proposal, "cnn") if found is None else found
+
+
+def last_numbered_layer(proposal: Proposal) -> torch.Tensor:
+    """(n, c, h, w) what the last one made of it; ParameterError where there is none."""
+    number = 0
+    while f"{CONVOLUTION}{number + 1}" in proposal.latents:
+        number += 1
+    return numbered_layer(proposal, number)
 
 
 def layers_by_camera(proposal: Proposal) -> dict[str, torch.Tensor]:
@@ -45,16 +53,13 @@ def layers_by_camera(proposal: Proposal) -> dict[str, torch.Tensor]:
 
     Raises ParameterError where the policy has none such.
     """
-    found = {name: layer for name, layer in _layers(proposal) if not name.isdecimal()}
-    return found or _refuse(proposal, "spatial-cnn")
-
-
-def _layers(proposal: Proposal) -> list[tuple[str, torch.Tensor]]:
-    return [
-        (name.removeprefix(CONVOLUTION), layer)
+    found = {
+        camera: layer
         for name, layer in proposal.latents.items()
         if name.startswith(CONVOLUTION)
-    ]
+        and not (camera := name.removeprefix(CONVOLUTION)).isdecimal()
+    }
+    return found or _refuse(proposal, "spatial-cnn")
 
 
 def _refuse(proposal: Proposal, wanted: str) -> NoReturn:
@@ -89,7 +94,7 @@ class MiddleOfLastLayer:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, channels[-1] * cells)."""
         del observations
-        layer = numbered_layers(proposal)[-1].numpy()
+        layer = last_numbered_layer(proposal).numpy()
         top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
         middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
         return middle.reshape(len(middle), math.prod(middle.shape[1:]))
@@ -107,7 +112,7 @@ class LayerOnGrid:
     def __call__(self, observations: Observations, proposal: Proposal) -> NDArray[np.float32]:
         """(n, c * side²)."""
         del observations
-        return _on_grid(numbered_layers(proposal)[self.layer], self.side)
+        return _on_grid(numbered_layer(proposal, self.layer), self.side)
 
 
 @dataclass(frozen=True)

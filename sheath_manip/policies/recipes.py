@@ -28,6 +28,16 @@ paper_cnn = partial(plain_cnn, channels=(16,))
 linear_svm_paper = partial(LinearSvm, penalty=0.01)
 
 
+def two_scale_contrasts() -> TwoScaleConvolutions:
+    """The policy's convolutions, fine and coarse, in the directions of most contrast."""
+    return TwoScaleConvolutions(ContrastWhitening(most=64), side=4)
+
+
+def foveal_contrasts() -> FovealConvolutions:
+    """The policy's convolutions in the image's middle, in the directions of most contrast."""
+    return FovealConvolutions(ContrastWhitening(most=32))
+
+
 def convolutions_and_pixels() -> SideBySide:
     """Embed what the policy makes of the image, the image itself, and its middle more closely.
 

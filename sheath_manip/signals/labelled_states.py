@@ -98,11 +98,15 @@ class LabelledStates:
     def _by_choice(
         self, vectors: NDArray[np.float32], asked: NDArray[np.bool_], place: int
     ) -> NDArray[np.float32]:
+        choices = np.flatnonzero(asked.any(axis=0))
+        if len(vectors) == len(choices) == 1:
+            # As in most steps of a robot, where masks would take longer than the product.
+            return self._rows[choices[0]].nearest(vectors, place)[:, -1]
         found = np.full((len(vectors), place), np.float32(np.inf))
-        for rows, asking in zip(self._rows, asked.T, strict=True):
-            if asking.any():
-                nearest = rows.nearest(vectors[asking], place)
-                found[asking] = smallest(np.concatenate([found[asking], nearest], axis=1), place)
+        for choice in choices:
+            asking = asked[:, choice]
+            nearest = self._rows[choice].nearest(vectors[asking], place)
+            found[asking] = smallest(np.concatenate([found[asking], nearest], axis=1), place)
         return found[:, -1]
 
     def _one_by_one(

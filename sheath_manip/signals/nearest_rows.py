@@ -25,14 +25,19 @@ class NearestRows:
 
         Infinite where there are fewer.
         """
-        found = np.full((len(rows), count), np.float32(np.inf))
         there = min(count, len(self._lengths))
-        if there == 0:
-            return found
-        for first in range(0, len(rows), BATCH):
-            some = slice(first, first + BATCH)
-            found[some, :there] = smallest(self._less_own(rows[some]), there)
-        return found + np.vecdot(rows, rows)[:, None]
+        if there < count:
+            missing = np.full((len(rows), count - there), np.float32(np.inf))
+            return (
+                np.concatenate([self.nearest(rows, there), missing], axis=1) if there else missing
+            )
+        parts = [
+            smallest(self._less_own(rows[first : first + BATCH]), count)
+            for first in range(0, max(len(rows), 1), BATCH)
+        ]
+        found = parts[0] if len(parts) == 1 else np.concatenate(parts)
+        found += np.vecdot(rows, rows)[:, None]
+        return found
 
     def _less_own(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return (n, m) squared distances, less each new row's own squared length."""

@@ -31,6 +31,7 @@ from tests.blobs import fitted_policy, held_out, hidden_layer, training
 from tests.looks import fitted_embedding, vectors_of
 
 SPATIAL = (
+    "two-scale-contrasts",
     "convolutions-and-pixels",
     "two-scale-convolutions",
     "pooled-convolutions",
@@ -102,15 +103,16 @@ def test_the_pooled_convolutions_keep_every_layer():
     assert vectors.shape == (1, (16 + 32 + 32) * 4 * 4)
 
 
-@pytest.mark.parametrize("name", ["two-scale-convolutions", "foveal-convolutions"])
-def test_contrast_leaves_no_more_numbers(name):
+@pytest.mark.parametrize("name", ["two-scale-contrasts", "foveal-contrasts"])
+def test_contrast_leaves_as_many_numbers_as_asked_for(name):
     one, embedding = held_out().take(np.arange(1)), fitted(name)
     readers = embedding.attach(fitted_policy("cnn"))
     seen = look(fitted_policy("cnn"), one, readers)
     raw = seen.of(readers)
-    assert raw.shape == (1, 32 * 4 + (16 * 36 if name == "two-scale-convolutions" else 0))
+    wide, most = {"two-scale-contrasts": (16 * 16, 64), "foveal-contrasts": (0, 32)}[name]
+    assert raw.shape == (1, 32 * 4 + wide)
     kept = embedding.transform(seen).shape[1]
-    assert 0 < kept <= raw.shape[1]
+    assert 0 < kept <= most
     assert embedding.arrays()["matrix"].shape == (raw.shape[1], kept)
 
 

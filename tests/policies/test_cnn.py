@@ -6,7 +6,7 @@ import torch
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.cnn import ConvPolicy
-from sheath_manip.policies.readings import numbered_layers
+from sheath_manip.policies.readings import last_numbered_layer, numbered_layer
 from sheath_manip.policies.reconstruction import reconstruction_loss
 from tests.blobs import SPEC, blob_samples, fitted_policy, held_out
 
@@ -40,11 +40,14 @@ def test_seeds_differ():
 def test_activations_of_every_layer():
     five = held_out().take(np.arange(5)).observations
     proposal = fitted_policy("cnn").predict(five)
-    assert [tuple(layer.shape) for layer in numbered_layers(proposal)] == [
+    assert [tuple(numbered_layer(proposal, number).shape) for number in range(3)] == [
         (5, 16, 30, 30),
         (5, 32, 14, 14),
         (5, 32, 6, 6),
     ]
+    assert last_numbered_layer(proposal) is numbered_layer(proposal, 2)
+    with pytest.raises(ParameterError, match="convolutions to look through"):
+        numbered_layer(proposal, 3)
     assert tuple(proposal.latents["penultimate"].shape) == (5, 64)
     np.testing.assert_allclose(proposal.latents["choice scores"].sum(axis=1), 1, rtol=1e-5)
 
@@ -73,7 +76,7 @@ def test_the_image_is_painted_back_better_with_every_fit():
 
     def painting_loss() -> float:
         network = policy.network_
-        *_, last = numbered_layers(policy.predict(samples.observations))
+        last = last_numbered_layer(policy.predict(samples.observations))
         assert network is not None
         assert network.decoder is not None
         with torch.inference_mode():
@@ -112,9 +115,8 @@ def test_the_drafts_network_and_the_plain_one_paint_nothing(name):
 def test_an_untrained_policy_has_the_shape_and_the_seeds_weights():
     policy = ConvPolicy(SPEC, channels=(4, 8), hidden=(16,), seed=1)
     five = held_out().take(np.arange(5)).observations
-    first, again, other = (
-        numbered_layers(policy.untrained(seed).predict(five)) for seed in (2, 2, 3)
-    )
-    assert [layer.shape[1] for layer in first] == [4, 8]
-    assert torch.equal(first[-1], again[-1])
-    assert not torch.equal(first[-1], other[-1])
+    looks = [policy.untrained(seed).predict(five) for seed in (2, 2, 3)]
+    assert [numbered_layer(looks[0], number).shape[1] for number in (0, 1)] == [4, 8]
+    first, again, other = map(last_numbered_layer, looks)
+    assert torch.equal(first, again)
+    assert not torch.equal(first, other)

@@ -33,6 +33,18 @@ def test_directions_that_displacement_does_not_widen_are_dropped():
     assert max(alike) < 1
 
 
+def test_the_directions_of_most_contrast_are_kept():
+    all_of_them, one = (
+        fitted(),
+        ContrastWhitening(most=1).fit(NATURAL @ MIX + 5, DISPLACED @ MIX + 5),
+    )
+    np.testing.assert_array_equal(one.matrix_, all_of_them.matrix_[:, -1:])
+    many = ContrastWhitening(most=9).fit(NATURAL @ MIX + 5, DISPLACED @ MIX + 5)
+    np.testing.assert_array_equal(many.matrix_, all_of_them.matrix_)
+    with pytest.raises(ParameterError, match="wanted at least one direction"):
+        ContrastWhitening(most=0)
+
+
 def test_the_squared_length_is_twice_the_log_likelihood_ratio():
     scaling = fitted()
     points = NATURAL[:50] @ MIX + 5

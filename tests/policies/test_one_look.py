@@ -64,7 +64,7 @@ def line_by(embedding: str, precedent: str) -> Looking:
 
 
 CASES = {
-    "driving": lambda: blobs_by("joined", "convolutions-and-pixels", "foveal-convolutions"),
+    "driving": lambda: blobs_by("joined", "convolutions-and-pixels", "foveal-contrasts"),
     "trusted": lambda: blobs_by("trust-joined", "two-scale-convolutions", "pooled-convolutions"),
     "another network": lambda: blobs_by("joined", "random-convolutions", "penultimate", 2),
     "reach": lambda: reach_by("wrist-convolutions", "camera-convolutions"),

@@ -73,7 +73,7 @@ def test_every_part_wants_a_weight(weights):
         side_by_side(1.0, **weights)
 
 
-def test_the_default_sees_through_the_policy():
+def test_convolutions_and_pixels_see_through_the_policy():
     samples = training()
     first, second = (
         vectors_of(
