@@ -20,6 +20,8 @@ from tools.scripted_person import Held
 from tools.station import Station
 
 LOOK_S = 0.01
+AGAIN_S = 0.05
+"""after which it looks what became of an order"""
 
 
 @dataclass
@@ -93,8 +95,10 @@ class FleetPerson(Closes):
                 offered_s = now_s
             drives = self._operator.drives(trouble, now_s)
             if drives and not mine:
+                # Another robot may be shown by now, which is not taken by an order for this one;
+                # then it is looked at again.
                 self.station.order("take-over")
-                self.station.until(lambda said: said.get("mine") or not said.get("asking"))
+                self._over.wait(AGAIN_S)
             elif mine and not drives:
                 self.station.hold()
                 self.station.order("hand-back")

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.waiting import DEADLINE_S
 
 SHEATH = [str(Path(sys.executable).parent / "sheath")]
@@ -64,6 +66,7 @@ def test_task_script_collects(tmp_path):
     assert _call(SHEATH, "data", "check", store).returncode == 0
 
 
+@pytest.mark.soak
 def test_who_has_read_enough_of_it_is_told_nothing_more():
     for argv in (["train", "--help"], ["tasks"]):
         reading, writing = os.pipe()

@@ -132,8 +132,8 @@ def test_a_gamepad_drives_unless_it_is_unknown_or_frozen(cockpit, taken):
     ("layout", "code", "key"),
     [
         ("AZERTY: Z where W was", "KeyW", "z"),
-        ("QWERTZ: Z where Y was", "KeyY", "z"),
-        ("Caps lock", "KeyZ", "Z"),
+        pytest.param("QWERTZ: Z where Y was", "KeyY", "z", marks=pytest.mark.soak),
+        pytest.param("Caps lock", "KeyZ", "Z", marks=pytest.mark.soak),
         ("Cyrillic", "KeyZ", "я"),
     ],
 )
@@ -228,6 +228,7 @@ def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, 
     taken.set_viewport_size({"width": 400, "height": 300})
 
 
+@pytest.mark.soak
 def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch):
     notice = opened.locator("#sheath-operator")
 
@@ -262,6 +263,7 @@ def test_the_page_says_what_became_of_its_connection(opened, served, monkeypatch
     other.close()
 
 
+@pytest.mark.soak
 def test_the_page_says_that_the_run_has_ended(opened, served):
     opened.reload()
     opened.wait_for_function("window.sheathOperator?.state.operated")

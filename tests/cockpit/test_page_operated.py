@@ -274,6 +274,7 @@ def test_two_cannot_both_drive(grasp, opened):
         wait_until(lambda: grasp.cockpit.state.stopped, "stop", opened)
 
 
+@pytest.mark.soak
 def test_a_killed_browser_leaves_the_robot_holding_within_half_a_second(grasp, opened):
     own = opened.context.browser
     assert own is not None

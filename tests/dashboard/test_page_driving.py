@@ -62,6 +62,7 @@ def training_on(task: DrivingTask) -> Samples:
     return Samples({}, poses.astype(np.float32), np.zeros((300, 1), np.float32), np.zeros(300, int))
 
 
+@pytest.mark.soak
 def test_page_shows_a_drive_with_interventions(browser_page: Page) -> None:
     page, enough = browser_page, threading.Event()
     errors: list[str] = []

@@ -108,6 +108,7 @@ def test_the_threshold_changes_who_acts_once_it_is_applied(browser_page: Page) -
     assert not run.is_alive()
 
 
+@pytest.mark.soak
 def test_one_looks_back_while_the_run_goes_on(browser_page: Page) -> None:
     page, environment = browser_page, EndlessRoad()
     info = EpisodeInfo(SPEC.name, 1, Purpose.LEARNING, SPEC.control_rate_hz, method="sheath")

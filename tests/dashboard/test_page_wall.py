@@ -157,6 +157,7 @@ def test_nothing_hinders_eyes_and_screen_readers(opened: Page, size: str, dark: 
     page.keyboard.press("o")
 
 
+@pytest.mark.soak
 def test_ten_thousand_episodes_are_on_the_wall_at_once(opened: Page) -> None:
     page = opened
     page.set_viewport_size({"width": 1400, "height": 900})

@@ -64,6 +64,7 @@ def test_every_figure_is_written_and_shows_something(summary, store, tmp_path):
         assert_shows_something(path)
 
 
+@pytest.mark.soak
 def test_the_same_data_give_the_same_file(summary, store, tmp_path):
     names = ("rounds.png", "intervention.gif")
     first = write_figures(tmp_path / "a", summary, store, names=names)
@@ -136,6 +137,7 @@ def test_a_task_without_a_camera_is_looked_at_afterwards(summary, tmp_path):
         assert image.width > image.height
 
 
+@pytest.mark.soak
 def test_of_ten_methods_each_has_its_look_and_a_panel_shows_six(tmp_path, drawings):
     names = [*PLAN.comparison.methods, *(f"other-{number}" for number in range(5))]
     assert len(set(palette.methods(names).values())) == len(names)
@@ -251,6 +253,7 @@ def test_a_film_to_the_end_of_its_episode_shows_the_last_observation(summary, tm
         assert film.n_frames == window.stop - window.start + 1  # pyright: ignore
 
 
+@pytest.mark.soak
 def test_results_are_drawn_again_from_their_summaries_alone(summary, tmp_path, capsys):
     def asked() -> int:
         return run_command(lambda: Catalog({}, {}), ["figures", "--results", str(tmp_path)])

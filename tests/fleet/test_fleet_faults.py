@@ -22,6 +22,7 @@ PROMISED_S = 0.5
 NEVER, AT_ONCE = Drifting(from_m=1e9), Drifting(from_m=-1.0)
 
 
+@pytest.mark.soak
 def test_robots_that_ask_hold_for_as_long_as_nobody_comes_and_what_fails_is_lost_alone():
     asked = requests(3, AT_ONCE)
     asked[1] = replace(asked[1], driver=Breaking())

@@ -127,6 +127,7 @@ def test_an_error_in_a_worker_is_told_in_one_line(two, tmp_path):
         list(two.map(requests(1, Failing(7)), EpisodeStore.create(tmp_path)))
 
 
+@pytest.mark.soak
 def test_an_episode_that_kills_every_worker_is_given_up():
     with ProcessExecutor(1) as executor, pytest.raises(WorkerError, match=r"lost 3 workers.*-9"):
         list(executor.map(requests(1, Failing(deadly=True))))

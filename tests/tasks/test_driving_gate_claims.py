@@ -5,6 +5,7 @@ from pathlib import Path
 
 from sheath_manip.experiments.claims import verdicts
 from sheath_manip.experiments.gates.plan import PLANS
+from sheath_manip.policies import DEFAULT_EMBEDDING
 from sheath_manip.tasks.driving.study.entry import STUDY
 from sheath_manip.tasks.driving.study.probes import PROBES
 
@@ -29,7 +30,7 @@ def broken(directory: Path, default: dict, *others: dict) -> list[str]:
                 "learning": STUDY.plans["full"].described(),
                 "rows": {
                     "joined": default,
-                    "convolutions-and-pixels/one-class-svm": {
+                    f"{DEFAULT_EMBEDDING}/one-class-svm": {
                         **default,
                         "signals": ["support"],
                         "errs": {"costly": 0.6},

@@ -123,6 +123,7 @@ def test_without_spares_the_episode_ends_as_a_failure(bench):
     assert sheet.spare_vertices == 3 * 24
 
 
+@pytest.mark.soak
 def test_a_cut_out_disc_falls_and_everything_is_put_back(bench):
     bench.environment.reset(SEED)
     names = [n for n in dir(bench.model) if n.startswith(("flex", "jnt_", "body_", "qpos_"))]

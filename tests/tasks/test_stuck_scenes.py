@@ -76,9 +76,12 @@ CASES = {
 
 @pytest.mark.parametrize(
     "name",
-    ["gauze-cutting", pytest.param("grasp-clutter", marks=pytest.mark.soak),
-     pytest.param("platformer", marks=pytest.mark.soak)],
-)  # fmt: skip
+    [
+        pytest.param("gauze-cutting", marks=pytest.mark.soak),
+        pytest.param("grasp-clutter", marks=pytest.mark.soak),
+        "platformer",
+    ],
+)
 def test_a_policy_that_gets_nowhere_is_noticed_in_time(name: str) -> None:
     case, study = CASES[name], STUDIES[name]
     environment = case.make()

@@ -5,12 +5,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.waiting import DEADLINE_S
 from tools.kill_runs import Kills
 
 TOY = ("--task", "corridor", "--catalog", "tests.toy:CATALOG")
 
 
+@pytest.mark.soak
 def test_killed_recordings_of_the_toy_task(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tools.kill_runs", *TOY, "--kills", "3", "--verbs", "collect"]
     command += ["--results", str(tmp_path)]
