@@ -33,7 +33,7 @@ def parts(columns: Columns) -> Iterator[slice]:
 
 
 def write_set(path: Path, episodes: Iterable[Episode], spec: TaskSpec, robot: int) -> int:
-    """Write the set anew and return its number of frames.
+    """Write the set anew and return its number of frames; of none LeRobot wants no set.
 
     Args:
         path: of the set; what an interrupted run left there is thrown away.
@@ -73,6 +73,8 @@ def write_set(path: Path, episodes: Iterable[Episode], spec: TaskSpec, robot: in
                 frames += 1
             dataset.save_episode()
     dataset.finalize()
+    if not frames:
+        shutil.rmtree(path)
     return frames
 
 

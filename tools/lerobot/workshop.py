@@ -47,7 +47,7 @@ class Workshop:
         fresh = self.folder / f"{name}-set"
         frames = write_set(fresh, learned, self.scenes.spec, self.scenes.robot)
         sets = [*(self.folder / f"{each}-set" for each in before), fresh]
-        data = join_sets(sets, self.folder / f"{name}-all")
+        data = join_sets([each for each in sets if each.exists()], self.folder / f"{name}-all")
         self.say(f"{name}: {frames} new frames, LeRobot trains")
         out = self.folder / f"{name}-policy"
         return train_act(data, out, steps=self.steps, seed=self.seed), frames

@@ -14,7 +14,7 @@ PLAN = FULL.changed(
         "threshold": {"false_alarm_rate": 0.1},
         "minimum_hold_steps": 12,
     },
-    schedule={"demonstrations": 5, "calibration": 20, "false_alarm_episodes": 1},
+    schedule={"demonstrations": 4, "calibration": 20, "false_alarm_episodes": 1},
     comparison={"final_episodes": 40},
 )
 STUDY = Study(LIFT_CAMERAS, plans={"full": PLAN})
