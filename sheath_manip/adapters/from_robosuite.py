@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from sheath_manip.adapters.from_gymnasium import from_gymnasium
@@ -29,9 +30,21 @@ class RobosuiteMaker:
                 f"this wants the package robosuite ({error}); install it with "
                 "`pip install robosuite 'mujoco<3.8'` in a venv of its own"
             ) from error
-        if not isinstance(self.make, str):
-            return RobosuiteGymnasium(self.make(**self.settings))
-        return RobosuiteGymnasium(robosuite.make(self.make, **self.settings))
+        make = partial(robosuite.make, self.make) if isinstance(self.make, str) else self.make
+        inner = make(**self.settings)
+        if not inner.hard_reset:
+            _draw_alike(inner)
+        return RobosuiteGymnasium(inner)
+
+
+def _draw_alike(inner: Any) -> None:
+    """Load the model again, with what is drawn for it, such as a cube's size, from a fixed seed.
+
+    It is loaded once, and a scene is to be the same wherever it is made again.
+    """
+    inner.hard_reset = True
+    RobosuiteGymnasium(inner).reset(seed=0)
+    inner.hard_reset = False
 
 
 def from_robosuite(

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sheath_manip.adapters.from_robosuite import RobosuiteMaker
 from sheath_manip.adapters.robosuite_gymnasium import RobosuiteGymnasium
 
 
@@ -92,3 +93,30 @@ def test_without_a_camera_nothing_is_drawn(monkeypatch):
     inner = Lift(Screen(), 50)
     inner.sim._render_context_offscreen = None
     RobosuiteGymnasium(inner).step(np.zeros(1))
+
+
+class Cube(Lift):
+    """Whose cube has another size with every model that is loaded."""
+
+    hard_reset = False
+
+    def __init__(self) -> None:
+        super().__init__(Screen(), 50)
+        self.rng = np.random.default_rng()
+        self._load()
+
+    def _load(self) -> None:
+        self.size = self.rng.random(), np.random.random()  # noqa: NPY002
+
+    def reset(self):
+        if self.hard_reset:
+            self._load()
+        return super().reset()
+
+
+def test_what_is_drawn_for_the_model_is_the_same_wherever_it_is_made(monkeypatch):
+    macros = SimpleNamespace(IMAGE_CONVENTION="opengl")
+    monkeypatch.setitem(sys.modules, "robosuite", SimpleNamespace(macros=macros))
+    first, second = (RobosuiteMaker(Cube, {})().inner for _ in range(2))
+    assert first.size == second.size
+    assert not first.hard_reset
