@@ -54,7 +54,10 @@ class Eyes:
 
 @dataclass
 class FleetPerson(Closes):
-    """Serves one robot after the other, on a thread of its own, until it is closed."""
+    """Serves one robot after the other, on a thread of its own, until it is closed.
+
+    With it the environment is closed in which its eyes look.
+    """
 
     station: Station
     film: Callable[[], Film | None]
@@ -79,6 +82,13 @@ class FleetPerson(Closes):
         self._thread.join()
 
     def _serve(self) -> None:
+        try:
+            self._serve_until_over()
+        finally:
+            # OpenGL's context belongs to the thread that has drawn in it.
+            self.eyes.environment.close()
+
+    def _serve_until_over(self) -> None:
         mine, offered_s = False, time.monotonic()
         while not self._over.wait(LOOK_S):
             shown, now_s = self.station.shown, time.monotonic()

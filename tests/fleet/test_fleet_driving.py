@@ -52,7 +52,6 @@ def person_at(opened: list[Dashboard]) -> Iterator[list[float]]:
             with FleetPerson(station, film, eyes, at_the_wheel) as person:
                 over.wait()
             turns_s.extend(person.turns_s)
-        twin.close()
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
