@@ -67,7 +67,7 @@ KINDS = tuple(
     Kind(signal, turn_s, notices_stuck)
     for signal in ("default", "precedent")
     # A share goes farthest in single steps, and a call in turns of two seconds.
-    for turn_s, notices_stuck in ((0.0, False), (1.0, False), (2.0, False), (2.0, True))
+    for turn_s, notices_stuck in ((0.0, False), (2.0, False), (2.0, True))
 )
 
 
@@ -175,9 +175,7 @@ PLANS = {
             "gauze-cutting": {
                 "rounds": (0, 1),
                 "scenes": Quota(failing=8, succeeding=1, most=60),
-                "kinds": tuple(
-                    kind for kind in KINDS if kind.turn_s != 1.0 and not kind.notices_stuck
-                ),
+                "kinds": tuple(kind for kind in KINDS if not kind.notices_stuck),
                 "levels": (-1.0, -0.2, 0.0, 0.02, 0.08),
                 "takeovers": (1.0,),
                 "shares": (0.05, 0.08),
