@@ -75,6 +75,12 @@ def test_its_own_turns_come_at_random_times_and_none_overlap():
     assert len(set(drawn("own-at-random-times")[::3])) > 100
 
 
+def test_a_scene_without_a_step_of_the_policys_begins_with_the_expert():
+    gated = Gated([trial((0, 100))], [0])
+    turns = SCHEDULES["random-blocks"](gated, 0, np.random.default_rng(0))
+    assert turns == ((0, 100),)
+
+
 def test_another_scenes_turns_are_never_its_own():
     for index, turns in enumerate(drawn("another-scenes")):
         assert turns in [each.turns for place, each in enumerate(GATE) if place != index % 3]

@@ -88,6 +88,8 @@ def anothers(gated: Gated, index: int, rng: np.random.Generator) -> Turns:
 def _at_random_times(trial: Trial, steps: int, rng: np.random.Generator) -> Turns:
     """Place a trial's turns anew, each where fewer than `steps` are the policy's before it."""
     lengths = np.asarray([count for _, count in trial.turns], int)
+    # Where the policy has none, all comes at the beginning.
+    steps = max(steps, 1)
     # With a step of the policy between any two, or they were one.
     begun = np.sort(rng.choice(steps, len(lengths), replace=len(lengths) > steps))
     ordered = rng.permutation(lengths)
