@@ -45,7 +45,7 @@ from tools.replayed_page import replayed
 from tools.screenshot_subject import Subject, subject_of
 from tools.scripted_person import at_the_wheel
 
-SPEED = 0.3
+SPEED = 0.5
 """times the task's pace, since the software that draws is slow"""
 
 
