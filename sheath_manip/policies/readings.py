@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NoReturn
 
 import numpy as np
@@ -95,8 +96,7 @@ class MiddleOfLastLayer:
         """(n, channels[-1] * cells)."""
         del observations
         layer = last_numbered_layer(proposal).numpy()
-        top, left = (round(side * (1 - MIDDLE) / 2) for side in layer.shape[2:])
-        middle = layer[:, :, top : layer.shape[2] - top, left : layer.shape[3] - left]
+        middle = layer[:, :, _middle(layer.shape[2]), _middle(layer.shape[3])]
         return middle.reshape(len(middle), math.prod(middle.shape[1:]))
 
 
@@ -253,6 +253,13 @@ def _on_grid(layer: torch.Tensor, side: int) -> NDArray[np.float32]:
     cells = layer.numpy().transpose(0, 2, 3, 1).reshape(count, height * width, channels)
     means = averaging(height, width, side) @ cells
     return means.transpose(0, 2, 1).reshape(count, channels * side**2)
+
+
+@lru_cache(maxsize=64)
+def _middle(side: int) -> slice:
+    """Return the middle of a layer's side."""
+    beyond = round(side * (1 - MIDDLE) / 2)
+    return slice(beyond, side - beyond)
 
 
 def each_once(readers: Iterable[Reader]) -> tuple[Reader, ...]:

@@ -157,17 +157,23 @@ class JoinedSignal:
 
     def scores(self, measures: NDArray) -> NDArray[np.float64]:
         """(n,) weighted sums of log p; NaN where a signal has no score."""
+        if len(measures) == 1:
+            # A step of a robot asks for one, and arrays of one take several times as long.
+            return np.array([sum(self._parts_of_one(measures[0]).values())])
         return sum(self.parts(measures).values(), np.zeros(len(measures)))
 
     def parts(self, measures: NDArray) -> Mapping[str, NDArray[np.float64]]:
         """(n,) what each signal adds to the score, by name."""
-        if len(measures) == 1:
-            row = zip(self.signals, measures[0].tolist(), strict=True)
-            alone = {name: self.references_[name].log_share_of_one(score) for name, score in row}
-            return {name: np.array([self.weights[name] * of]) for name, of in alone.items()}
         return {
             name: self.weights[name] * self.references_[name].log_share(scores)
             for name, scores in zip(self.signals, measures.T, strict=True)
+        }
+
+    def _parts_of_one(self, measures: NDArray) -> dict[str, float]:
+        """Return what `parts` does for the (signals,) scores of one state."""
+        return {
+            name: self.weights[name] * self.references_[name].log_share_of_one(score)
+            for name, score in zip(self.signals, measures.tolist(), strict=True)
         }
 
     def signal_scores(self, measures: NDArray) -> tuple[SignalScore, ...]:
@@ -187,8 +193,8 @@ class JoinedSignal:
 
     def blames(self, measures: NDArray) -> Reason:
         """Return the reason of the signal that finds the state rarest, however much it counts."""
-        parts = self.parts(measures[None])
-        rarest = min(parts, key=lambda name: float(parts[name][0]) / self.weights[name])
+        parts = self._parts_of_one(measures)
+        rarest = min(parts, key=lambda name: parts[name] / self.weights[name])
         place = list(self.signals).index(rarest)
         return self.signals[rarest].blames(measures[place : place + 1])
 
