@@ -190,6 +190,7 @@ def drawings(monkeypatch) -> list[Figure]:
     return drawn
 
 
+@pytest.mark.soak
 def test_words_fit_and_ticks_are_round_and_told_apart(tmp_path, drawings):
     # Many methods and wide ranges; one method, one round, and ranges of no width.
     for name in ("platformer", "grasp-clutter-recipe"):

@@ -93,13 +93,14 @@ def score_of(fitted: FittedGate, observation: Observation) -> float:
     return fitted.judge(observation, fitted.policy.propose(observation.alone), 0.0).score
 
 
-@pytest.mark.parametrize("nu", [0.01, 0.05, 0.2, 0.5])
 @pytest.mark.parametrize("embedding", sorted(IMAGE_EMBEDDINGS))
-def test_at_most_nu_of_the_training_states_lie_outside(embedding, nu, drive):
+def test_at_most_nu_of_the_training_states_lie_outside(embedding, drive):
     fitted = fitted_embedding(make_embedding(embedding), drive.policy, drive.states)
     points = vectors_of(fitted, drive.policy, drive.states)
-    scores = make_support(PLAN.gate.support.name, nu=nu).fit(points).decision_function(points)
-    assert (scores >= 0).mean() >= 1 - nu - 0.01
+    for nu in (0.01, 0.05, 0.2, 0.5):
+        support = make_support(PLAN.gate.support.name, nu=nu).fit(points)
+        scores = support.decision_function(points)
+        assert (scores >= 0).mean() >= 1 - nu - 0.01
 
 
 @pytest.mark.parametrize("factor", [0.1, 10.0])
