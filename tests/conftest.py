@@ -31,3 +31,8 @@ def dropped_listeners() -> Iterator[list[str]]:
     yield told
     audience.logger.removeHandler(handler)
     assert not told
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest: at the end one worker would wait for it, with nothing left to do."""
+    items.sort(key=lambda item: item.path.name != "test_wheel.py")
