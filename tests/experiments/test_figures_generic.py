@@ -278,6 +278,7 @@ def test_a_damaged_store_is_not_passed_over(summary, store, tmp_path):
         write_figures(tmp_path, summary, store, names=["film_strip.png"])
 
 
+@pytest.mark.soak
 def test_the_figures_hold_where_a_method_has_no_colour_and_rounds_no_figures(store, tmp_path):
     results = results_of(PLAN)
     results["hg-dagger"] = results.pop("dagger")

@@ -29,6 +29,7 @@ def test_spoiled_checkpoints_of_each_kind() -> None:
     require_clean(checkpoint_section.verdicts(3), at_least=40)
 
 
+@pytest.mark.soak
 def test_spoiled_files_of_other_tools_of_each_kind() -> None:
     exchange_section.sound()
     require_clean(exchange_section.verdicts(1), at_least=35)
