@@ -108,7 +108,7 @@ def operated(page: Page, subject: Subject, now: Now, folder: Path) -> Iterator[C
     """The page of a run whose expert is a person, opened; its episodes go to `folder`/recorded."""
     task, adjusting = subject.task, subject.adjusting
     assert adjusting is not None
-    # Whoever waits for the film's next scene is no operator who was lost.
+    # A person who waits for the film's next scene is no operator who was lost.
     operating = Operating(wait_s=600.0, speed=SPEED)
     shown: Future[tuple[str, Cockpit]] = Future()
     session = Session(lambda: Catalog({}, {}), "", *(Console(file=io.StringIO()) for _ in range(2)))
@@ -180,7 +180,7 @@ def served(reel: Reel, cockpit: Cockpit, hands: Hands) -> None:
     reel.roll_until(lambda: cockpit.state.asking, "The policy goes on.", 10)
     page.keyboard.press("Space")
     wait_until(lambda: cockpit.state.stopped, "stop", page)
-    reel.roll(5, "Space stops the robot, whoever drives, until it is reset with R.")
+    reel.roll(5, "Space stops the robot, no matter who drives, until it is reset with R.")
     page.keyboard.press("r")
     wait_until(lambda: not cockpit.state.stopped, "reset", page)
     page.keyboard.press("p")

@@ -19,8 +19,7 @@ from tests.waiting import eventually
 from tools.chromium import CHROMIUM, FLAGS, chromium_page, open_dashboard, wait_until
 from tools.station import Station
 
-# Of the size of what the task first shows around the tool.
-ARROW_M = SHARE_OF_VIEW * 0.55
+ARROW_M = SHARE_OF_VIEW * 0.55  # of the size of what the task first shows around the tool
 pytestmark = pytest.mark.browser
 
 
