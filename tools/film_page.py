@@ -1,8 +1,8 @@
 """Film the page at work: a policy drives, the robot asks, a person drives; then one looks back.
 
-    python -m tools.film_page FILE.mp4 [--task driving] [--checkpoint FILE --store DIRECTORY]
+    python -m tools.film_page FILE.mp4 [--checkpoint FILE --store DIRECTORY]
 
-Without a checkpoint one is trained first by the task's plan `quick`. Headless Chromium shows the
+Without a checkpoint one is trained first by driving's plan `quick`. Headless Chromium shows the
 page; the person's hands are the scripted expert's, on the page's own keys. The film runs as the
 clock did while it was taken, and leaves out what lay between.
 """
@@ -216,12 +216,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("out", type=Path, help="the mp4")
-    parser.add_argument("--task", choices=["driving"], default="driving")
     parser.add_argument("--checkpoint", type=Path, help="of the policy and its gate")
     parser.add_argument("--store", type=Path, help="of the episodes that it was fitted to")
     options = parser.parse_args(arguments)
     options.expert = False
-    task = TASKS[options.task]
+    task = TASKS["driving"]
     with tempfile.TemporaryDirectory() as name, single_threaded(), chromium_page() as page:
         folder, twin = Path(name), task.make()
         subject = subject_of(task, options, twin.spec, folder)
