@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Locator, Page
 
 from sheath_manip.dashboard import Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
@@ -133,6 +133,19 @@ def test_replay_scrubs_jumps_marks_and_exports(
     assert page.locator("b").count() == 0
 
 
+def drawn_width(locator: Locator, page: Page) -> float:
+    """Width in pixels of what may be made anew, and so be away, at the moment of asking."""
+    widths: list[float] = []
+
+    def is_drawn() -> bool:
+        box = locator.bounding_box()
+        widths.extend([] if box is None else [box["width"]])
+        return bool(widths)
+
+    wait_until(is_drawn, "place to click on", page)
+    return widths[-1]
+
+
 def test_clicks_and_keys_move_in_time(
     browser_page: Page, replay: Replay, store: EpisodeStore
 ) -> None:
@@ -150,18 +163,15 @@ def test_clicks_and_keys_move_in_time(
     wait_until(lambda: not player.now.playing, "standing at first", page)
     page.wait_for_timeout(500)
     strip = page.locator("[data-sheath-span]")
-    box = strip.bounding_box()
-    assert box is not None
-    strip.click(position={"x": box["width"] * (20.5 / STEPS), "y": box["height"] / 2})
+    strip.click(position={"x": drawn_width(strip, page) * (20.5 / STEPS), "y": 10})
     at(20, "click on the timeline")
     # The replay is there before the page is: a click means what the plot showed when it was made.
     first = 20 - SPEC.max_steps // 2
     page.locator(f'[data-sheath-plot^="{first} "]').wait_for(state="attached")
     plot = page.locator(".u-over")
-    box = plot.bounding_box()
-    assert box is not None
     # The plot is as wide as an episode may be long, and shows the present in its middle.
-    plot.click(position={"x": box["width"] * (0.5 + 10.5 / SPEC.max_steps), "y": 20})
+    share = 0.5 + 10.5 / SPEC.max_steps
+    plot.click(position={"x": drawn_width(plot, page) * share, "y": 20})
     at(30, "click on the plot")
     for key, step in (("ArrowLeft", 29), ("Shift+ArrowRight", 39), ("Home", 0), ("End", 59)):
         page.keyboard.press(key)
