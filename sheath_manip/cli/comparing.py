@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
+from sheath_manip.cli.computing import Computing
 from sheath_manip.cli.options import WITHOUT_PREFIX, TaskName, default_is
 from sheath_manip.cli.where import Where
 from sheath_manip.rollout.executing import Executing
@@ -33,6 +34,7 @@ class Comparing:
     """directory for episodes and checkpoints"""
     fresh: bool = False
     """begin anew and move aside what an earlier run left"""
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
 
     @property

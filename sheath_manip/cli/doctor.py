@@ -200,7 +200,7 @@ def check_disk(folder: Path) -> Finding:
 
 
 def check_threads() -> Finding:
-    """Check whether torch starts no more threads than there are cores."""
+    """Check whether torch starts no more threads than there are cores; name the CUDA devices."""
     cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
     start_s = time.perf_counter()
     try:
@@ -211,7 +211,9 @@ def check_threads() -> Finding:
     import_s = time.perf_counter() - start_s
     threads = torch.get_num_threads()
     ok = threads <= cores
-    detail = f"{threads} threads on {cores} cores, imported in {import_s:.1f} s"
+    devices = [torch.cuda.get_device_name(each) for each in range(torch.cuda.device_count())]
+    on = ", ".join(devices) or "no CUDA device"
+    detail = f"{threads} threads on {cores} cores, imported in {import_s:.1f} s; {on}"
     return Finding("torch", ok, detail, "" if ok else f"export OMP_NUM_THREADS={cores}")
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from sheath_manip.burden import burden_of
+from sheath_manip.cli.computing import Computing
 from sheath_manip.cli.options import WITHOUT_PREFIX, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cli.where import Where
@@ -27,12 +28,14 @@ class Evaluate:
     """variant of the task"""
     scenes: str = Comparison.held_out_set
     """name of the set of scenes; tune on another than you report"""
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
     json: bool = False
     """print nothing but JSON on the standard output"""
 
     def run(self, session: Session) -> int:
         """Run the scenes, then print rates and means with their 95 % intervals."""
+        self.computing.begin()
         at_least_one("episodes", self.episodes)
         task = session.runnable(self.task)
         # Only now: torch takes seconds to import.

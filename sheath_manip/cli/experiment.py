@@ -33,6 +33,7 @@ class Benchmark(Comparing):
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
+        self.computing.begin()
         if self.seeds == ():
             raise ParameterError("seeds is empty; wanted at least one")
         if self.tasks == ():
@@ -84,6 +85,7 @@ class Experiment(Comparing, Planned):
 
     def run(self, session: Session) -> int:
         """Run it to its end."""
+        self.computing.begin()
         if not is_reference(self.task) and self.task not in (tasks := session.catalog().tasks):
             raise UnknownNameError("experiment", self.task, (*tasks, *BENCHMARKS), OWN_TASK)
         session.runnable(self.task)

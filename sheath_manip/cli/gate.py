@@ -10,6 +10,7 @@ import tyro
 from rich.table import Table
 from rich.text import Text
 
+from sheath_manip.cli.computing import Computing
 from sheath_manip.cli.examples import described
 from sheath_manip.cli.options import WITHOUT_PREFIX, default_is
 from sheath_manip.cli.session import Session, Verb
@@ -57,6 +58,7 @@ class FitGate:
     keys: Annotated[tuple[str, ...], default_is("the format's own")] = ()
     """of another tool's data, what its keys mean: images/CAMERA=KEY, features=KEY,KEY,...,
     action=KEY"""
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     task: Annotated[str | None, default_is("as the data says")] = None
     """of another tool's data, name of the task"""
     control_rate_hz: Annotated[float | None, default_is("as the data says")] = None
@@ -64,6 +66,7 @@ class FitGate:
 
     def run(self, session: Session) -> int:
         """Fit, save, and print what came of it."""
+        self.computing.begin()
         if self.out.is_dir():
             raise ParameterError(f"{self.out} is a directory; wanted a file to write")
         # Only now: torch takes seconds to import.

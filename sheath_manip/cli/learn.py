@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sheath_manip.cli.aside import move_aside
+from sheath_manip.cli.computing import Computing
 from sheath_manip.cli.operated import PERSON, Crew, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, spec_of
 from sheath_manip.cli.planned import Planned, asked_policy
@@ -75,6 +76,7 @@ class Learn(Planned):
     """learn also from expert episodes that did not succeed, by what was recorded or marked"""
     seed: int = 0
     """seed of the training run"""
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     where: Annotated[Where, WITHOUT_PREFIX] = field(default_factory=Where)
     dashboard: bool = False
     """show the run in the browser; with a person it always is"""
@@ -99,6 +101,7 @@ class Learn(Planned):
 
     def run(self, session: Session) -> int:
         """Run all rounds, then print what each showed."""
+        self.computing.begin()
         task = session.runnable(self.task)
         for name in (self.expert, self.demonstrator):
             if name not in (SCRIPTED, PERSON):

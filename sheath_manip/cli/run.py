@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from sheath_manip.cli.computing import Computing
 from sheath_manip.cli.operated import PERSON, SIMULATED, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is, spec_of
 from sheath_manip.cli.session import Session, at_least_one
@@ -57,10 +58,12 @@ class Run:
     simulated: OperatorConfig = field(default_factory=OperatorConfig)
     """the simulated person"""
     operating: Annotated[Operating, WITHOUT_PREFIX] = field(default_factory=Operating)
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Run the episodes, then print what each showed."""
+        self.computing.begin()
         at_least_one("episodes", self.episodes)
         if at_least_one("robots", self.robots) > self.episodes:
             raise ParameterError(

@@ -9,7 +9,8 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from sheath_manip.cli.options import TaskName, default_is
+from sheath_manip.cli.computing import Computing
+from sheath_manip.cli.options import WITHOUT_PREFIX, TaskName, default_is
 from sheath_manip.cli.planned import Planned, asked_policy
 from sheath_manip.cli.session import Session
 from sheath_manip.exceptions import ParameterError
@@ -46,6 +47,7 @@ class Train(Planned):
     """train also on expert episodes that did not succeed, by what was recorded or marked"""
     seed: int = 0
     """seed of the policy's first weights and the order of its batches"""
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     cache: Annotated[Path | None, default_is("beside the checkpoint, until the end")] = None
     """directory to keep the training states in, for the next call on the same episodes: they are
     read from mapped files, which take the room that the images take in memory"""
@@ -63,6 +65,7 @@ class Train(Planned):
 
     def run(self, session: Session) -> int:
         """Fit, save, and print what came of it."""
+        self.computing.begin()
         task = session.task(self.task)
         config = asked_policy(self.policy, session.study(self.task).plan(self.size))
         Schedule(calibration=self.calibration)

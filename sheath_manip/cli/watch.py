@@ -7,6 +7,7 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated
 
+from sheath_manip.cli.computing import Computing
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName, default_is
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit import Cockpit
@@ -40,10 +41,12 @@ class Watch:
     deadline: float = 1.0
     """share of the control period after which policy and gate are late, so that the expert acts;
     then a call that hangs is broken off, too; 0 is none"""
+    computing: Annotated[Computing, WITHOUT_PREFIX] = field(default_factory=Computing)
     address: Annotated[Address, WITHOUT_PREFIX] = field(default_factory=Address)
 
     def run(self, session: Session) -> int:
         """Run episodes for ever."""
+        self.computing.begin()
         if self.episodes is not None:
             at_least_one("episodes", self.episodes)
         cockpit = Cockpit(paced=True)

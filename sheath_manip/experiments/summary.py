@@ -16,6 +16,7 @@ from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.metrics import EpisodeRecord, bounded_interval, expert_share, figures_of
+from sheath_manip.rollout.device import computes_on
 from sheath_manip.rollout.threads import THREADS
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -80,13 +81,18 @@ def program() -> dict[str, Any]:
     """Return what must be equal for the same command to give the same result to the bit.
 
     `git` is None where an installed wheel ran, `version` where nothing is installed; `threads` are
-    those of torch and BLAS.
+    those of torch and BLAS, and `device` is what policies and gates compute on.
     """
     try:
         version = metadata.version("sheath-manip")
     except metadata.PackageNotFoundError:
         version = None
-    return {"git": git_revision(), "version": version, "threads": THREADS}
+    return {
+        "git": git_revision(),
+        "version": version,
+        "threads": THREADS,
+        "device": computes_on(),
+    }
 
 
 def git_revision(root: Path = CHECKOUT) -> str | None:

@@ -6,7 +6,7 @@ The file is an .npz of plain arrays with a JSON header: no code is ever loaded f
 
 import inspect
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -31,6 +31,7 @@ from sheath_manip.learning.trying import require_works
 from sheath_manip.policies import make_policy
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Gate, PredictingPolicy, TrainablePolicy
+from sheath_manip.rollout.device import CPU, computes_on
 from sheath_manip.signals import make_signal
 from sheath_manip.types import TaskSpec
 
@@ -57,6 +58,8 @@ class Checkpoint:
     run_seed: int = 0
     training_loss: float = float("nan")
     """mean surrogate loss of the policy on the states that it was fitted to"""
+    device: str = field(default_factory=computes_on)
+    """where it was fitted; it computes where this process does, whichever that was"""
     remark: str = ""
     """what must be told of the file that it was read from; empty where nothing must"""
 
@@ -89,6 +92,7 @@ class Checkpoint:
             "round": self.round,
             "run_seed": self.run_seed,
             "training_loss": self.training_loss,
+            "device": self.device,
         }
         return write_parts(Path(path), facts, self.fitted, {"policy": self.policy.arrays()})
 
@@ -134,6 +138,8 @@ def load_checkpoint(path: Path | str, spec: TaskSpec) -> Checkpoint:
         round=header["round"],
         run_seed=header["run_seed"],
         training_loss=float(header["training_loss"]),
+        # Before there was a choice it was the CPU.
+        device=str(header.get("device", CPU)),
         remark=remark,
     )
 

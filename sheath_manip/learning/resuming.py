@@ -9,11 +9,15 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.files.json_files import plain, write_json
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.flat_plans import upgraded
+from sheath_manip.rollout.device import is_cpu, torch_device
 
 
 def require_same_plan(settings: Mapping[str, Any], path: Path) -> None:
-    """Write the `settings` to `path` or compare with those there; ParameterError for others."""
-    described = plain(settings)
+    """Write the `settings` to `path` or compare with those there; ParameterError for others.
+
+    Another device than the CPU is one of them, since its low bits are its own.
+    """
+    described = plain(settings if is_cpu() else {**settings, "device": torch_device().type})
     if not path.exists():
         write_json(path, described)
         return

@@ -1,6 +1,6 @@
 """What may be done to training images without changing what the expert would do."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,18 +9,34 @@ from sheath_manip.types import Mirror
 from sheath_manip.types.samples import Samples
 
 
-def shifted(images: NDArray[np.uint8], most_px: int, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """(n, h, w, 3) images, each moved by up to `most_px` pixels in both directions.
+@dataclass(frozen=True)
+class Moves:
+    """What is done to each image of a batch."""
+
+    mirrored: NDArray[np.bool_]
+    """(n,) which of them are turned about, left to right, before they are shifted"""
+    offsets: NDArray[np.int64]
+    """(n, 2) pixels down and to the right"""
+
+
+def drawn_shifts(mirrored: NDArray[np.bool_], most_px: int, rng: np.random.Generator) -> Moves:
+    """Return moves of (n,) images, each by up to `most_px` pixels in both directions.
 
     Random shifts are the augmentation that pays most for image policies (Kostrikov et al. 2021,
     'Image augmentation is all you need'). What leaves on one side enters on the other.
     """
     if most_px == 0:
-        return images
-    moved = np.empty_like(images)
-    for number, (down, right) in enumerate(rng.integers(-most_px, most_px + 1, (len(images), 2))):
-        moved[number] = np.roll(images[number], (down, right), axis=(0, 1))
-    return moved
+        return Moves(mirrored, np.zeros((len(mirrored), 2), np.int64))
+    return Moves(mirrored, rng.integers(-most_px, most_px + 1, (len(mirrored), 2)))
+
+
+def moved(images: NDArray[np.uint8], moves: Moves) -> NDArray[np.uint8]:
+    """(n, h, w, 3) images, each mirrored and shifted as `moves` says."""
+    done = np.empty_like(images)
+    for number, offsets in enumerate(moves.offsets):
+        image = images[number, :, ::-1] if moves.mirrored[number] else images[number]
+        done[number] = np.roll(image, tuple(offsets), axis=(0, 1))
+    return done
 
 
 def noisy(
@@ -33,15 +49,17 @@ def noisy(
     return noise
 
 
-def reflected(samples: Samples, mirror: Mirror, rng: np.random.Generator) -> Samples:
-    """`samples`, about half of them replaced by their mirror images."""
-    flipped = rng.random(len(samples)) < 0.5
-    images = {}
-    for camera, pictures in samples.images.items():
-        images[camera] = pictures.copy()
-        images[camera][flipped] = pictures[flipped, :, ::-1]
-    signs = np.where(flipped[:, None], np.array(mirror.features, np.float32), 1)
-    turned = np.where(flipped[:, None], np.array(mirror.action, np.float32), 1)
+def half_of_them(count: int, mirror: Mirror | None, rng: np.random.Generator) -> NDArray[np.bool_]:
+    """(count,) about half of the states, drawn to be mirrored; none without a mirror."""
+    return np.zeros(count, bool) if mirror is None else rng.random(count) < 0.5
+
+
+def reflected(samples: Samples, mirror: Mirror | None, which: NDArray[np.bool_]) -> Samples:
+    """`samples` without images, those (n,) `which` as they are on the other side of the mirror."""
+    if mirror is None:
+        return replace(samples, images={})
+    signs = np.where(which[:, None], np.array(mirror.features, np.float32), 1)
+    turned = np.where(which[:, None], np.array(mirror.action, np.float32), 1)
     return replace(
-        samples, images=images, features=samples.features * signs, labels=samples.labels * turned
+        samples, images={}, features=samples.features * signs, labels=samples.labels * turned
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch.nn import functional
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.policies.augmentation import noisy, reflected
+from sheath_manip.policies.augmentation import half_of_them, noisy, reflected
 from sheath_manip.policies.choices import (
     choices_of,
     likeliest,
@@ -23,7 +23,7 @@ from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.mlp_network import MlpNetwork
 from sheath_manip.policies.nested_arrays import flatten, subtree
-from sheath_manip.policies.network_arrays import network_with, weights_of
+from sheath_manip.policies.network_arrays import network_with, placed, tensor_of, weights_of
 from sheath_manip.policies.own_units import OwnUnits
 from sheath_manip.policies.requirements import require_features
 from sheath_manip.policies.unit_actions import from_unit, to_unit
@@ -95,18 +95,17 @@ class MlpPolicy(Memoryless):
         steps, rate = self.warm_steps, self.warm_learning_rate
         if self.network_ is None:
             steps, rate = self.steps, self.learning_rate
-            self.network_ = self._fresh_network()
+            self.network_ = placed(self._fresh_network())
             self.scaling_.fit(samples.features)
         network, seen = self.network_, replace(samples, images={})
         # Each refit draws its own order of batches.
         rng = np.random.default_rng([self.seed, self.fits_])
 
         def loss(batch: NDArray[np.int64]) -> torch.Tensor:
-            states = seen.take(batch)
-            if self.spec.mirror is not None:
-                states = reflected(states, self.spec.mirror, rng)
+            mirror = self.spec.mirror
+            states = reflected(seen.take(batch), mirror, half_of_them(len(batch), mirror, rng))
             felt = noisy(self.scaling_.transform(states.features), self.feature_noise, rng)
-            return self._loss(network(torch.from_numpy(felt)), states.labels)
+            return self._loss(network, felt, states.labels)
 
         descent = Descent(steps, rate, self.batch_size, self.weight_decay)
         descent.run(network, len(samples), rng, loss)
@@ -123,11 +122,13 @@ class MlpPolicy(Memoryless):
             torch.Generator().manual_seed(self.seed) if weights else None,
         )
 
-    def _loss(self, outputs: torch.Tensor, labels: NDArray) -> torch.Tensor:
+    def _loss(self, network: MlpNetwork, features: NDArray, labels: NDArray) -> torch.Tensor:
+        outputs = network(tensor_of(features, network))
         if self.choices is None:
-            return functional.mse_loss(outputs, torch.from_numpy(to_unit(self.spec.action, labels)))
+            targets = tensor_of(to_unit(self.spec.action, labels), network)
+            return functional.mse_loss(outputs, targets)
         classes = nearest_choices(self.choices, labels)
-        return functional.cross_entropy(outputs, torch.from_numpy(classes))
+        return functional.cross_entropy(outputs, tensor_of(classes, network))
 
     def predict(self, observations: Observations) -> Proposal:
         """Regress actions, cut to their bounds, or take the likeliest choices; images go unused.
@@ -137,9 +138,9 @@ class MlpPolicy(Memoryless):
         """
         network, scaled = self._fitted(), self.scaling_.transform(observations.features)
         with torch.inference_mode():
-            penultimate = network.rectified(torch.from_numpy(scaled))
-            outputs = network.head(penultimate)
-        latents = {"penultimate": penultimate.numpy()}
+            penultimate = network.rectified(tensor_of(scaled, network))
+            outputs = network.head(penultimate).cpu()
+        latents = {"penultimate": penultimate.cpu().numpy()}
         if self.choices is None:
             return Proposal(from_unit(self.spec.action, outputs.numpy()), latents)
         scores = torch.softmax(outputs, dim=1).numpy()

@@ -12,19 +12,31 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.learned_arrays import require_shapes
 from sheath_manip.policies.network import shapes_of
 from sheath_manip.protocols import Arrays
+from sheath_manip.rollout.device import is_cpu, torch_device
 
 Network = TypeVar("Network", bound=nn.Module)
 
 
-def tensor_of(images: NDArray[np.uint8]) -> torch.Tensor:
-    """The images as they are, or a copy where the array is read-only, which torch would warn of."""
-    return torch.from_numpy(images if images.flags.writeable else images.copy())
+def tensor_of(array: NDArray, network: nn.Module) -> torch.Tensor:
+    """The array where `network` is; a copy where it is read-only, which torch would warn of."""
+    tensor = torch.from_numpy(array if array.flags.writeable else array.copy())
+    return tensor.to(device_of(network), non_blocking=True)
+
+
+def device_of(network: nn.Module) -> torch.device:
+    """Return where the weights of a network are."""
+    return next(network.parameters()).device
+
+
+def placed(network: Network) -> Network:
+    """Return the network, moved to where this process computes."""
+    return network if is_cpu() else network.to(torch_device())
 
 
 def weights_of(network: nn.Module) -> dict[str, NDArray]:
     """Return a copy of a network's weights, by layer."""
     state = network.state_dict()
-    return {name: tensor.contiguous().numpy().copy() for name, tensor in state.items()}
+    return {name: tensor.cpu().contiguous().numpy().copy() for name, tensor in state.items()}
 
 
 def network_with(weights: Arrays, fresh: Callable[[bool], Network], what: str) -> Network:
@@ -49,4 +61,4 @@ def network_with(weights: Arrays, fresh: Callable[[bool], Network], what: str) -
     network.load_state_dict(
         {name: torch.from_numpy(np.array(array)) for name, array in weights.items()}
     )
-    return network.eval()
+    return placed(network).eval()

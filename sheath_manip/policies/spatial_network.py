@@ -143,8 +143,8 @@ def image_points(layer: torch.Tensor) -> torch.Tensor:
     The image spans -1..1.
     """
     shares = torch.softmax(layer.flatten(2).float(), dim=2).view(layer.shape)
-    x = torch.linspace(-1, 1, layer.shape[3])
-    y = torch.linspace(-1, 1, layer.shape[2])
+    x = torch.linspace(-1, 1, layer.shape[3], device=layer.device)
+    y = torch.linspace(-1, 1, layer.shape[2], device=layer.device)
     return torch.cat([shares.sum(dim=2) @ x, shares.sum(dim=3) @ y], dim=1)
 
 

@@ -29,6 +29,7 @@ from sheath_manip.dataset.steps import recorded_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import SetupError, WorkerError
 from sheath_manip.rollout.crowd import Crowd, LostWorkerError
+from sheath_manip.rollout.device import VARIABLE
 from sheath_manip.rollout.elsewhere import CrowdExecutor
 from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.threads import single_threaded
@@ -42,7 +43,7 @@ MOST_CHECKPOINTS = 64
 """that stay in the object store; one of them drives a round"""
 PATIENCE_S = 60.0
 """until it is told that a worker waits for a free core of the cluster"""
-ENVIRONMENT = ("MUJOCO_GL", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+ENVIRONMENT = ("MUJOCO_GL", "OMP_NUM_THREADS", "MKL_NUM_THREADS", VARIABLE)
 """variables that a worker takes over where they are set"""
 SAME = ("sheath-manip", "numpy", "torch", "mujoco")
 """packages whose other version gives other bytes"""

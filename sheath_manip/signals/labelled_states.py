@@ -10,7 +10,7 @@ from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.protocols import Arrays, Embedding, PredictingPolicy, Reader
 from sheath_manip.signals.nearest import nearest
-from sheath_manip.signals.nearest_rows import BATCH, NearestRows, distances, smallest
+from sheath_manip.signals.nearest_rows import BATCH, distances, rows_of, smallest
 from sheath_manip.types.seen import Precedents, Seen
 
 MOST_CHOICES = 64
@@ -77,10 +77,10 @@ class LabelledStates:
         self._which = which.ravel()
         self._reach = self.tolerance * np.ptp(self.labels_, axis=0) + 1e-6
         if len(self._distinct) > MOST_CHOICES:
-            self._rows = [NearestRows(self.vectors_)]
+            self._rows = [rows_of(self.vectors_)]
         else:
             chosen = (self._which == each for each in range(len(self._distinct)))
-            self._rows = [NearestRows(self.vectors_[these]) for these in chosen]
+            self._rows = [rows_of(self.vectors_[these]) for these in chosen]
         return self
 
     def _same(self, proposed: NDArray) -> NDArray[np.bool_]:

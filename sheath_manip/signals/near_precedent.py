@@ -22,7 +22,7 @@ from sheath_manip.protocols import (
     Reader,
 )
 from sheath_manip.signals.nearest import nearest
-from sheath_manip.signals.nearest_rows import NearestRows, distances
+from sheath_manip.signals.nearest_rows import distances, rows_of
 from sheath_manip.signals.single import SingleMeasure
 from sheath_manip.types.seen import Precedents, Seen
 
@@ -111,5 +111,5 @@ class NearPrecedentSignal(SingleMeasure):
 
     def _take(self, joined: NDArray) -> Self:
         self.joined_ = np.asarray(joined, np.float32)
-        self._rows = NearestRows(self.joined_)
+        self._rows = rows_of(self.joined_)
         return self

@@ -1,10 +1,39 @@
 """How near the nearest of many fixed vectors are."""
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.rollout.device import is_cpu, torch_device
+
 # Rows compared at once: with 10,000 fixed ones their distances take 40 MB.
 BATCH = 1024
+
+
+class Rows(Protocol):
+    """Squared Euclidean distances from new vectors to fixed ones."""
+
+    def squares(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (n, m) to all; rounding may leave one a little below 0."""
+        ...
+
+    def nearest(self, rows: NDArray[np.float32], count: int = 1) -> NDArray[np.float32]:
+        """Return (n, count) to the nearest, in any order but for the last, the farthest of them.
+
+        Infinite where there are fewer.
+        """
+        ...
+
+
+def rows_of(rows: NDArray[np.float32]) -> Rows:
+    """Return the distances to (m, d) fixed vectors, where this process computes."""
+    if is_cpu():
+        return NearestRows(rows)
+    # Only now: the CPU does without torch.
+    from sheath_manip.signals.nearest_on_device import DeviceRows
+
+    return DeviceRows(rows, torch_device())
 
 
 class NearestRows:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.support.dense_solver import solve_dense
-from sheath_manip.support.gaussian import LARGEST_SQUARE, GaussianColumns, row_factor
+from sheath_manip.support.gaussian import LARGEST_SQUARE, columns_of, row_factor
 from sheath_manip.support.vectors import squared_distances
 
 # Points that enter a block from either end; those of the last one that are free stay in it.
@@ -85,7 +85,7 @@ class BlockSolver:
     def _sums(self, weights: NDArray[np.float64], rows: NDArray[np.float32]) -> NDArray[np.float64]:
         """(r,) Σ_j y_j w_j k(x_j, ·) for (n,) w and an (r, d + 2) left factor."""
         held = np.flatnonzero(weights)
-        columns = GaussianColumns(self.rows[held, :-2], self.signs[held] * weights[held], self.c)
+        columns = columns_of(self.rows[held, :-2], self.signs[held] * weights[held], self.c)
         return columns.sums(rows)
 
     def _coarse_start(self) -> NDArray[np.float64]:

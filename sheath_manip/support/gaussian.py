@@ -4,9 +4,13 @@ exp(-|x - v|²/c) = exp(2x·v/c - |x|²/c - |v|²/c), and the squares ride along
 of the product: [x, |x|², 1] · [2v/c, -1/c, -|v|²/c].
 """
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_blas_funcs
+
+from sheath_manip.rollout.device import is_cpu, torch_device
 
 # BLAS itself does not warn of an overflow, and turning numpy's warning off takes a microsecond.
 (dot,) = get_blas_funcs(("dot",), dtype=np.float64)
@@ -54,6 +58,28 @@ def state_factor(x: NDArray, origin: NDArray) -> NDArray[np.float32] | None:
     row[-2] = square
     row[-1] = 1
     return row
+
+
+class Columns(Protocol):
+    """Σ w_j exp(-|x - v_j|²/c) over fixed vectors v_j, for the left factors of any x."""
+
+    def sum_of(self, row: NDArray[np.float32]) -> float:
+        """The sum for one (d + 2,) row of a left factor."""
+        ...
+
+    def sums(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Return the (n,) sums for an (n, d + 2) left factor."""
+        ...
+
+
+def columns_of(vectors: NDArray, weights: NDArray, c: float) -> Columns:
+    """Return the sums over (m, d) vectors with (m,) weights, where this process computes."""
+    if is_cpu():
+        return GaussianColumns(vectors, weights, c)
+    # Only now: the CPU does without torch.
+    from sheath_manip.support.gaussian_on_device import DeviceColumns
+
+    return DeviceColumns(vectors, weights, c, torch_device())
 
 
 class GaussianColumns:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.protocols import Arrays
-from sheath_manip.support.gaussian import GaussianColumns, row_factor, state_factor
+from sheath_manip.support.gaussian import columns_of, row_factor, state_factor
 
 
 class KernelSum:
@@ -22,7 +22,7 @@ class KernelSum:
         self.center = np.asarray(center, dtype=np.float64)
         self.vectors = np.ascontiguousarray(vectors, dtype=np.float32)
         self.weights = np.asarray(weights, dtype=np.float32)
-        self._columns = GaussianColumns(self.vectors, self.weights, c)
+        self._columns = columns_of(self.vectors, self.weights, c)
 
     def __call__(self, X: NDArray) -> NDArray[np.float64]:
         """Return (n,) sums for (n, d) rows; NaN for rows that are not finite."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from sheath_manip.policies import make_policy
-from sheath_manip.policies.augmentation import reflected
+from sheath_manip.policies.augmentation import half_of_them, reflected
 from sheath_manip.types import Mirror
 from tests import reach
 
@@ -14,10 +14,9 @@ MIRROR = Mirror(features=(-1.0, 1.0), action=(-1.0, 1.0))
 
 def test_half_of_the_states_become_their_mirror_images_and_the_rest_stay():
     samples = reach.held_out()
-    before = {name: images.copy() for name, images in samples.images.items()}
-    mirrored = reflected(samples, MIRROR, np.random.default_rng(0))
-    turned = mirrored.features[:, 0] != samples.features[:, 0]
+    turned = half_of_them(len(samples), MIRROR, np.random.default_rng(0))
     assert 0.35 < turned.mean() < 0.65
+    mirrored = reflected(samples, MIRROR, turned)
     sign = np.where(turned, -1, 1)
     for array, original in (
         (mirrored.features, samples.features),
@@ -25,11 +24,15 @@ def test_half_of_the_states_become_their_mirror_images_and_the_rest_stay():
     ):
         np.testing.assert_array_equal(array[:, 0], sign * original[:, 0])
         np.testing.assert_array_equal(array[:, 1], original[:, 1])
-    for name, images in mirrored.images.items():
-        np.testing.assert_array_equal(images[turned], before[name][turned][:, :, ::-1])
-        np.testing.assert_array_equal(images[~turned], before[name][~turned])
-        # What it was given is stored data.
-        np.testing.assert_array_equal(samples.images[name], before[name])
+    # Images are turned where they are shown.
+    assert not mirrored.images
+
+
+def test_without_a_mirror_all_stay():
+    samples = reach.held_out()
+    turned = half_of_them(len(samples), None, np.random.default_rng(0))
+    assert not turned.any()
+    np.testing.assert_array_equal(reflected(samples, None, turned).labels, samples.labels)
 
 
 def test_the_policy_learns_from_both_sides():
