@@ -82,7 +82,7 @@ def test_the_image_is_painted_back_better_with_every_fit():
         with torch.inference_mode():
             pictures = network.decoder(last)
             assert tuple(pictures.shape) == (100, 3, 24, 24)
-            return float(reconstruction_loss(pictures, samples.images["top"]))
+            return float(reconstruction_loss(pictures, torch.from_numpy(samples.images["top"])))
 
     policy.fit(samples)
     first = painting_loss()

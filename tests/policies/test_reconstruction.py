@@ -12,7 +12,7 @@ def test_pictures_have_4_times_the_layers_side():
 def test_the_target_is_the_image_averaged_by_area():
     rng = np.random.default_rng(0)
     blocks = rng.integers(0, 256, (2, 4, 6, 3), dtype=np.uint8)
-    images = blocks.repeat(5, axis=1).repeat(5, axis=2)
+    images = torch.from_numpy(blocks.repeat(5, axis=1).repeat(5, axis=2))
     painted = (torch.from_numpy(blocks).permute(0, 3, 1, 2).float() - 128) / 64
     assert float(reconstruction_loss(painted, images)) == pytest.approx(0, abs=1e-9)
     # 64 grey levels off everywhere.
