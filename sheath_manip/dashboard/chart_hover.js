@@ -10,7 +10,7 @@ function () {
   const style = document.createElement("style");
   style.textContent =
     "#sheath-hover { position: fixed; z-index: 10002; pointer-events: none; box-sizing: border-box;" +
-    " max-width: min(24em, calc(100vw - 16px)); padding: .5em .8em; border-radius: 6px;" +
+    " width: max-content; max-width: min(28em, calc(100vw - 16px)); padding: .5em .8em; border-radius: 6px;" +
     " border: 1px solid #8080808c; box-shadow: 0 2px 14px rgba(0,0,0,.3); background: #fff; color: #22272e;" +
     " font: 13px/1.4 sans-serif; font-variant-numeric: tabular-nums }" +
     "[data-mantine-color-scheme=dark] #sheath-hover { background: #22262c; color: #eceef1 }" +
