@@ -36,12 +36,13 @@ function () {
     target.dataset.shown = "";
     box.replaceChildren(rounds[at].content.cloneNode(true));
     box.hidden = false;
-    // Above the chart, or below it where there is no room; never out of the window.
+    // Over the scene, beside the panel; on a narrow page above the chart, or below it. Never out of the window.
     const place = drawing.getBoundingClientRect(), size = box.getBoundingClientRect();
+    const beside = place.left - size.width - 24, above = place.top - size.height - 6;
     const middle = place.left + (x / drawing.viewBox.baseVal.width) * place.width;
-    const top = place.top - size.height - 6 < 8 ? place.bottom + 6 : place.top - size.height - 6;
+    const top = beside >= 8 ? place.top : above >= 8 ? above : place.bottom + 6;
     const inside = (wanted, most) => `${Math.max(8, Math.min(wanted, most - 8))}px`;
-    box.style.left = inside(middle - size.width / 2, window.innerWidth - size.width);
+    box.style.left = inside(beside >= 8 ? beside : middle - size.width / 2, window.innerWidth - size.width);
     box.style.top = inside(top, window.innerHeight - size.height);
     renewal.observe(document.body, { childList: true, subtree: true });
   }
