@@ -147,6 +147,15 @@ def expert_share(records: Sequence[EpisodeRecord]) -> float:
     return _share_of_steps(records, sum(record.expert_steps for record in records))
 
 
+def expert_share_interval(records: Sequence[EpisodeRecord]) -> tuple[float, float]:
+    """Return the 95 % interval of `expert_share`, whose episodes count as independent."""
+    steps = np.array([record.steps for record in records if record.steps], float)
+    if not len(steps):
+        return 0.0, 1.0
+    acted = np.array([record.expert_steps for record in records if record.steps], float)
+    return bounded_interval(acted / steps, steps)
+
+
 def limited_share(records: Sequence[EpisodeRecord]) -> float:
     """Share of all steps in which a command filter changed the command."""
     return _share_of_steps(records, sum(record.limited_steps for record in records))
@@ -168,14 +177,19 @@ def rate_interval(hits: int, count: int) -> tuple[float, float]:
     return float(interval.low), float(interval.high)
 
 
-def bounded_interval(values: np.ndarray) -> tuple[float, float]:
+def bounded_interval(values: np.ndarray, weights: np.ndarray | None = None) -> tuple[float, float]:
     """Return the bootstrap's 95 % interval of the mean of (n,) values, as of a metric with bounds.
 
     The percentiles of the means of resamples never leave the range of the values, hence never what
     is possible. Of fewer than about ten values they are too close together, as nothing is known of
-    what was not seen.
+    what was not seen. With (n,) positive `weights` the mean is weighted, as a share of all steps is
+    the mean of the episodes' shares by their steps.
     """
-    means = _resamples(len(values)) @ values
+    if weights is None:
+        means = _resamples(len(values)) @ values
+    else:
+        drawn = _resamples(len(values)) * weights
+        means = drawn @ values / drawn.sum(1)
     tail = 50.0 * (1.0 - CONFIDENCE)
     low, high = np.percentile(means, (tail, 100.0 - tail))
     # Rounding in the sums must not lead out of the range either.

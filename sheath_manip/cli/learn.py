@@ -151,6 +151,7 @@ class Learn(Planned):
         from sheath_manip.burden import burden_of
         from sheath_manip.cli.episodes import executor_of, opened
         from sheath_manip.dataset.store import EpisodeStore
+        from sheath_manip.experiments.progress import Stopwatch
         from sheath_manip.learning.beforehand import require_learnable, with_final_variant
         from sheath_manip.learning.demonstrations import left_out_line
         from sheath_manip.learning.results import round_path
@@ -169,9 +170,12 @@ class Learn(Planned):
         self.runs.mkdir(parents=True, exist_ok=True)
         described = plan.described() | ({"failures": True} if self.failures else {})
         require_same_plan(described, self.runs / "plan.json")
+        wall = self.runs / "wall.json"
         with (
             executor_of(self.where, bool(listeners)) as executor,
-            session.progress("episodes and fits", plan.units()) as report,
+            session.progress(
+                "episodes and fits", plan.units_of_run(), Stopwatch(wall).tick, listeners
+            ) as report,
         ):
             learning = LearningRun(
                 task,

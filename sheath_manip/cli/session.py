@@ -2,22 +2,26 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from rich.console import Console
 from rich.panel import Panel
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.text import Text
 
 from sheath_manip.cli.own_tasks import is_reference, referenced
 from sheath_manip.cli.plain_console import PlainConsole
 from sheath_manip.exceptions import ParameterError, UnknownNameError
+from sheath_manip.experiments.progress import told_headway
 from sheath_manip.experiments.study import Study
+from sheath_manip.learning.headway import HeadwayCount, left_words
+from sheath_manip.protocols import Listener
 from sheath_manip.registry import working
 from sheath_manip.task import Task
+from sheath_manip.types.work import Headway
 
 
 @dataclass(frozen=True)
@@ -97,19 +101,38 @@ class Session:
         self.out.print(Panel.fit(text, title="open in a browser", padding=(1, 2)))
 
     @contextmanager
-    def progress(self, what: str, total: int) -> Iterator[Callable[[str], None]]:
-        """A bar of `total` units; call what it yields, with a word on the unit, after each."""
+    def progress(
+        self,
+        what: str,
+        total: int,
+        took_s: Callable[[], float] | None = None,
+        listeners: Sequence[Listener] = (),
+    ) -> Iterator[Callable[[str], None]]:
+        """A bar of `total` units; call what it yields, with a word on the unit, after each.
+
+        `took_s` gives the time so far where earlier sessions count as well; `listeners` that want
+        to know how far it is are told.
+        """
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
             MofNCompleteColumn(),
-            TimeRemainingColumn(),
+            TextColumn("{task.fields[left]}"),
         )
+        counted, tell = HeadwayCount(total, took_s), told_headway(listeners)
         with Progress(
             *columns, console=self.err, transient=True, disable=not self.err.is_terminal
         ) as bar:
-            line = bar.add_task(what, total=total)
-            yield lambda word: bar.update(line, advance=1, description=f"{what}: {word}")
+            line = bar.add_task(what, total=total, left="")
+
+            def report(word: str) -> None:
+                headway = counted.count()
+                left = left_words(headway)
+                bar.update(line, completed=headway.done, description=f"{what}: {word}", left=left)
+                tell(headway)
+
+            yield report
+            tell(Headway(total, total))
 
 
 def _width() -> int | None:

@@ -4,10 +4,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from sheath_manip.learning.headway import time_left_s
 from sheath_manip.types.work import Work
-
-LEAST_SHARE, LEAST_S = 0.03, 2.0
-"""of a piece of work that is done, before the rest can be told from it"""
 
 
 @dataclass(frozen=True)
@@ -55,10 +53,9 @@ class Between:
         idle_s = int(now_s - (self._work_since_s if since_s is None else since_s))
         if work is None or work.share is None:
             return Pastime(idle_s, "" if work is None else work.what)
-        took_s = now_s - self._work_since_s
-        told = work.share >= LEAST_SHARE and took_s >= LEAST_S
-        left_s = round(took_s * (1 - work.share) / work.share) if told else None
-        return Pastime(idle_s, work.what, int(100 * work.share), left_s)
+        left_s = time_left_s(now_s - self._work_since_s, work.share)
+        whole_s = None if left_s is None else round(left_s)
+        return Pastime(idle_s, work.what, int(100 * work.share), whole_s)
 
 
 def _goes_back(before: Work, work: Work) -> bool:

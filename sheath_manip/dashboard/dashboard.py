@@ -29,7 +29,7 @@ from sheath_manip.protocols import Environment
 from sheath_manip.protocols.closing import Closes
 from sheath_manip.types import Episode, EpisodeInfo, Step, TaskSpec
 from sheath_manip.types.samples import Samples
-from sheath_manip.types.work import Work
+from sheath_manip.types.work import Headway, Work
 
 DRAW_RATE_HZ = 20.0
 SWITCH_INTERVAL_S = 0.0005
@@ -87,6 +87,8 @@ class Dashboard(Closes):
         self._film: Film | None = None
         self._training: Samples | None = None
         self._results: tuple[RoundResult, ...] = ()
+        self._headway: Headway | None = None
+        self._work = ""
         self._scored: tuple[ScoredEpisode, ...] = ()
         self._server.viser.on_client_connect(self._greet)
         self.cockpit.on_change = self._drawer.wake
@@ -114,6 +116,15 @@ class Dashboard(Closes):
     def on_work(self, work: Work | None) -> None:
         """Say what is done while no episode runs."""
         self.cockpit.between.note_work(work)
+        what = "" if work is None else work.what
+        if what != self._work:
+            self._work = what
+            self._drawer.wake()
+
+    def on_headway(self, headway: Headway) -> None:
+        """Show how far the whole run is."""
+        self._headway = headway
+        self._drawer.wake()
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene; blocks while the person holds the run paused."""
@@ -214,6 +225,8 @@ class Dashboard(Closes):
                 outcomes=self._tally.outcomes(film.info),
                 training=self._training,
                 results=self._results,
+                headway=self._headway,
+                work=self._work,
                 scored=self._scored,
                 paused=self.cockpit.paused,
                 present=present,

@@ -24,6 +24,7 @@ from sheath_manip.dashboard.widgets.learning import LearningCurves
 from sheath_manip.dashboard.widgets.lines import Lines
 from sheath_manip.dashboard.widgets.look_through import LookThrough
 from sheath_manip.dashboard.widgets.marking import Marking
+from sheath_manip.dashboard.widgets.now_running import NowRunning
 from sheath_manip.dashboard.widgets.score_plot import ScorePlot
 from sheath_manip.dashboard.widgets.support_map import SupportMap
 from sheath_manip.dashboard.widgets.surfaces import Surfaces
@@ -79,7 +80,7 @@ def live(
             "Why": (partial(WhyDetails, explainer=explainer),),
             "What if": gate or (WhatIf,),
             **_support(explainer),
-            "Learning": (LearningCurves,),
+            "Learning": (NowRunning, LearningCurves),
         },
     )
 

@@ -29,6 +29,7 @@ from sheath_manip.dashboard.access import AccessControl
 from sheath_manip.dashboard.inspection import InspectedConnection, Inspection
 from sheath_manip.dashboard.operator_socket import Looks, OperatorSocket, station_of
 from sheath_manip.dashboard.paced_connection import PacedConnection
+from sheath_manip.dashboard.page_script import chart_script
 from sheath_manip.dashboard.pictures_socket import PicturesSocket
 from sheath_manip.dashboard.seek_socket import SeekSocket
 from sheath_manip.dashboard.wall import pages
@@ -115,7 +116,8 @@ class GuardedServer:
         loop = server._websock_server._background_event_loop
         assert loop is not None
         server_log.quieten(loop)
-        _give_script(server, operators, true_s, [seeking.script, *([wall.script] if wall else [])])
+        scripts = [seeking.script, chart_script, *([wall.script] if wall else [])]
+        _give_script(server, operators, true_s, scripts)
         server.request_share_url = _refuse_share
         for message in (ShareUrlRequest, ShareUrlDisconnect):
             server._websock_server.unregister_handler(message)

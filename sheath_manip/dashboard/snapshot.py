@@ -11,6 +11,7 @@ from sheath_manip.playback.film import Film
 from sheath_manip.playback.trace import Trace
 from sheath_manip.types import EpisodeInfo, Outcome, SceneGeom, ScenePose, Step
 from sheath_manip.types.samples import Samples
+from sheath_manip.types.work import Headway
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,10 @@ class Snapshot:
     """what the policy was fitted to; the same object until it is fitted anew"""
     results: Sequence[RoundResult] = ()
     """of the rounds of learning so far; the same object until there is one more"""
+    headway: Headway | None = None
+    """of the whole run, where it says how far it is"""
+    work: str = ""
+    """that is done while no episode runs"""
     scored: Sequence[ScoredEpisode] = ()
     """episodes with scores that are shown, but for one that runs; the same object until there are
     more"""
@@ -64,6 +69,8 @@ def snapshot_of(
     paused: bool,
     present: bool,
     results: Sequence[RoundResult] = (),
+    headway: Headway | None = None,
+    work: str = "",
     scored: Sequence[ScoredEpisode] = (),
 ) -> Snapshot:
     """Return the step `at` of `film`, -1 before the first; the rest as in `Snapshot`.
@@ -86,6 +93,8 @@ def snapshot_of(
         outcomes=outcomes,
         training=training,
         results=results,
+        headway=headway,
+        work=work,
         scored=scored,
         paused=paused,
         present=present,

@@ -114,7 +114,7 @@ def run_experiment(
         *held_against,
     ]
     units = plan.units() + plan.comparison.final_episodes * len(held_against)
-    with shown_progress(console, units, stopwatch) as report:
+    with shown_progress(console, units, stopwatch, listeners) as report:
         run_jobs(jobs, next_jobs, executing, report, listeners)
     wall_s = stopwatch.tick(force=True)
     summary = _summary(study, plan, runs, command, wall_s)

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -10,7 +10,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from sheath_manip.files.json_files import write_json
-from sheath_manip.protocols import Report
+from sheath_manip.learning.headway import HeadwayCount, left_words
+from sheath_manip.protocols import HeadwayListener, Listener, Report
+from sheath_manip.rollout.audience import Audience
+from sheath_manip.types.work import Headway
 
 
 class Stopwatch:
@@ -34,21 +37,34 @@ class Stopwatch:
         return total_s
 
 
+def told_headway(listeners: Sequence[Listener]) -> Callable[[Headway], None]:
+    """Return what tells those of `listeners` that want to know how far the whole run is."""
+    audience = Audience([each for each in listeners if isinstance(each, HeadwayListener)])
+    return lambda headway: audience.tell(lambda each: each.on_headway(headway))
+
+
 @contextmanager
-def shown_progress(console: Console, units: int, stopwatch: Stopwatch) -> Iterator[Report]:
+def shown_progress(
+    console: Console, units: int, stopwatch: Stopwatch, listeners: Sequence[Listener] = ()
+) -> Iterator[Report]:
     """A bar of `units`; what it yields counts one of them, and says which."""
     columns = (
         TextColumn("{task.description:32}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
     )
+    counted, tell = HeadwayCount(units, stopwatch.tick), told_headway(listeners)
     with Progress(*columns, console=console, transient=False) as progress:
-        bar = progress.add_task("starting", total=units)
+        bar = progress.add_task("starting", total=units, left="")
 
         def report(text: str) -> None:
-            progress.update(bar, advance=1, description=text)
-            stopwatch.tick()
+            headway = counted.count()
+            left = left_words(headway)
+            progress.update(bar, completed=headway.done, description=text, left=left)
+            tell(headway)
 
         yield report
-        progress.update(bar, completed=units, description="done")
+        progress.update(bar, completed=units, description="done", left="")
+        tell(Headway(units, units))

@@ -14,8 +14,9 @@ from sheath_manip.burden import burden_of
 from sheath_manip.experiments.areas import areas
 from sheath_manip.files.json_files import plain
 from sheath_manip.learning.config import LearningPlan
+from sheath_manip.learning.pooled import Field, episodes_of, figures_of_runs
 from sheath_manip.learning.results import RoundResult
-from sheath_manip.metrics import EpisodeRecord, bounded_interval, expert_share, figures_of
+from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
 from sheath_manip.rollout.device import computes_on
 from sheath_manip.rollout.threads import THREADS
 
@@ -23,9 +24,6 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 """the folder that holds the package: a git checkout, or site-packages, which is none"""
 TALK = "talk.png"
 """the figure that says the most important thing alone"""
-MANY_RUNS = 10
-"""training runs from which on a metric's interval is over their means: the episodes of a run
-resemble each other, but of a few runs an interval says nothing"""
 
 
 def summarise(
@@ -149,7 +147,7 @@ def _round(results: Sequence[RoundResult]) -> dict[str, Any]:
 
 def _burden(results: Sequence[RoundResult]) -> dict[str, float]:
     """What the expert had to do; queries are those of one training run, averaged over the seeds."""
-    records = _episodes(results, "executed")
+    records = episodes_of(results, "executed")
     runs = len({result.run_seed for result in results})
     return {
         "expert_share": expert_share(records),
@@ -159,27 +157,12 @@ def _burden(results: Sequence[RoundResult]) -> dict[str, float]:
     }
 
 
-def _episodes(results: Sequence[RoundResult], field: str) -> list[EpisodeRecord]:
-    return [record for result in results for record in getattr(result, field)]
-
-
 def _figures(records: Sequence[EpisodeRecord]) -> dict[str, Any]:
     return dataclasses.asdict(figures_of(records))
 
 
-def _of_runs(results: Sequence[RoundResult], field: str) -> dict[str, Any]:
-    """Figures of the episodes in `field`; of many runs, metrics' intervals are over the runs."""
-    figures = _figures(_episodes(results, field))
-    by_run: dict[int, list[EpisodeRecord]] = {}
-    for result in results:
-        by_run.setdefault(result.run_seed, []).extend(getattr(result, field))
-    runs = [records for records in by_run.values() if records]
-    if len(runs) < MANY_RUNS:
-        return figures
-    for name in figures["metric"]:
-        means = [np.mean([record.metrics[name] for record in records]) for records in runs]
-        figures["ci95"][name] = bounded_interval(np.array(means))
-    return figures
+def _of_runs(results: Sequence[RoundResult], field: Field) -> dict[str, Any]:
+    return dataclasses.asdict(figures_of_runs(results, field))
 
 
 def _average(values: Any) -> float:

@@ -101,13 +101,21 @@ class LearningPlan:
 
     def units(self) -> int:
         """Return how many episodes and fits the experiment runs, repeated preparation included."""
+        comparison, of_method = self.comparison, self.units_of_run()
+        return len(comparison.seeds) * (self._first + len(comparison.methods) * of_method)
+
+    def units_of_run(self) -> int:
+        """Return how many of them one method has from one training seed."""
         schedule, comparison = self.schedule, self.comparison
-        held_out = schedule.calibration + schedule.false_alarm_episodes
-        prepare = schedule.demonstrations + held_out + 1
         rounds = schedule.rounds * (schedule.episodes + 1 + comparison.evaluation_episodes)
-        of_method = prepare + rounds + comparison.final_episodes
-        first = prepare + comparison.evaluation_episodes
-        return len(comparison.seeds) * (first + len(comparison.methods) * of_method)
+        return self._first + rounds + comparison.final_episodes
+
+    @property
+    def _first(self) -> int:
+        """Return how many there are of round 0, which each method reads again."""
+        schedule = self.schedule
+        held_out = schedule.calibration + schedule.false_alarm_episodes
+        return schedule.demonstrations + held_out + 1 + self.comparison.evaluation_episodes
 
     @property
     def rounds_are_known(self) -> bool:

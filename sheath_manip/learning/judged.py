@@ -8,6 +8,7 @@ from typing import Self
 
 from sheath_manip.learning.results import RoundResult, read_result, write_result
 from sheath_manip.metrics import EpisodeRecord
+from sheath_manip.protocols import Report
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +49,13 @@ class Judged:
         result = read_result(path)
         return cls(path, result.round, bool(result.final), None)
 
-    def finished(self) -> RoundResult:
-        """Return the result, which is on the disk then."""
+    def finished(self, report: Report) -> RoundResult:
+        """Return the result, which is on the disk then; `report` hears of what is not run again."""
         if self.measuring is not None:
             write_result(self.path, self.measuring.result())
         # Read back, so that a resumed run goes on with the same values.
-        return read_result(self.path)
+        result = read_result(self.path)
+        if self.measuring is None:
+            for _ in (*result.policy, *result.final):
+                report(f"{result.method} round {result.round}")
+        return result

@@ -125,7 +125,7 @@ class LearningRun:
     def prepare(self) -> SharedStart:
         """Start, and measure what was started with: round 0."""
         start = self.start()
-        self._first_judged(start).finished()
+        self._first_judged(start).finished(self.report)
         return start
 
     def run(self, method_name: str) -> list[RoundResult]:
@@ -133,6 +133,8 @@ class LearningRun:
         method = method_named(method_name)
         done = self._finished(method.name)
         if done is not None:
+            for _ in range(self.plan.units_of_run()):
+                self.report(f"{method.name} is done")
             for result in done:
                 self._tell(result)
             return done
@@ -178,7 +180,7 @@ class LearningRun:
 
     def _finish(self, judged: Judged, results: list[RoundResult]) -> None:
         with self._working(f"trying the policy of round {judged.number} alone"):
-            results.append(judged.finished())
+            results.append(judged.finished(self.report))
         self._tell(results[-1])
 
     def _tell(self, result: RoundResult) -> None:

@@ -22,11 +22,12 @@ class Look:
     """lengths drawn and left out, in line widths; none for a whole line"""
 
 
-# Blue, vermillion, purple and yellow of Okabe and Ito, which colour-blind readers can tell apart.
+# Blue, vermillion, green and yellow as Okabe and Ito have them, which colour-blind readers can tell
+# apart; the green is lighter, so that each differs in lightness as well (tests/playback).
 ACTOR: dict[Actor, Rgb] = {
     Actor.POLICY: (0, 114, 178),
     Actor.EXPERT: (213, 94, 0),
-    Actor.OPERATOR: (0, 158, 115),
+    Actor.OPERATOR: (0, 172, 126),
     Actor.FALLBACK: (213, 94, 0),
     Actor.HOLD: (240, 228, 66),
 }
@@ -36,7 +37,7 @@ REASON: dict[Reason, Rgb] = {
     Reason.HOLD: (240, 175, 120),
     Reason.SPARED: (245, 205, 165),
     Reason.STUCK: (120, 90, 60),
-    Reason.PERSON: (0, 158, 115),
+    Reason.PERSON: (0, 172, 126),
     Reason.IDLE: (140, 205, 185),
     Reason.WAITING: (240, 228, 66),
     Reason.NO_ANSWER: (213, 94, 0),
@@ -85,9 +86,12 @@ _OTHERS: tuple[Look, ...] = (
 
 
 def methods(names: Iterable[str]) -> dict[str, Look]:
-    """Return the look of each method, the same wherever the same methods are compared."""
+    """Return the look of each method, the same wherever the same methods are compared.
+
+    In whatever order they come: a page learns of them as they begin.
+    """
     listed = list(names)
-    others = [name for name in listed if name not in _METHODS]
+    others = sorted({name for name in listed if name not in _METHODS})
     spare = {name: _OTHERS[index % len(_OTHERS)] for index, name in enumerate(others)}
     return {name: _METHODS.get(name) or spare[name] for name in listed}
 

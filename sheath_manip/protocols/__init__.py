@@ -31,7 +31,13 @@ from sheath_manip.protocols.learning import (
     SupportEstimator,
     TrainablePolicy,
 )
-from sheath_manip.protocols.listening import Keeps, Listener, Report, WorkListener
+from sheath_manip.protocols.listening import (
+    HeadwayListener,
+    Keeps,
+    Listener,
+    Report,
+    WorkListener,
+)
 
 __all__ = [
     "Agreement",
@@ -45,6 +51,7 @@ __all__ = [
     "HasOwnFrame",
     "HasParts",
     "HasPrecedents",
+    "HeadwayListener",
     "Holds",
     "Judge",
     "Keeps",

@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 from sheath_manip.protocols.environment import Environment
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
-from sheath_manip.types.work import Work
+from sheath_manip.types.work import Headway, Work
 
 Report = Callable[[str], None]
 """called once for each unit of work done, with a word on what it was"""
@@ -41,6 +41,15 @@ class WorkListener(Protocol):
 
     def on_work(self, work: Work | None) -> None:
         """Called as long work begins, as it goes on, and with None once it is over."""
+        ...
+
+
+@runtime_checkable
+class HeadwayListener(Protocol):
+    """A listener that wants to know how far the whole run is."""
+
+    def on_headway(self, headway: Headway) -> None:
+        """Called after each unit of it."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""What a program does while no episode runs."""
+"""What a program does while no episode runs, and how far the whole of it has come."""
 
 from dataclasses import dataclass
 
@@ -11,3 +11,13 @@ class Work:
     """such as `fitting round 3`"""
     share: float | None = None
     """that is done, 0..1; None where nobody counts it"""
+
+
+@dataclass(frozen=True)
+class Headway:
+    """How far a run of many units has come, such as the episodes and fits of an experiment."""
+
+    done: int
+    units: int
+    left_s: float | None = None
+    """that the rest takes, by what it took so far; None while that cannot be told"""

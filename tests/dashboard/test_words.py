@@ -88,4 +88,4 @@ def test_what_round_0_shows_alone_is_the_cloned_policy(film):
     assert "expert</span>" in named["Expert acted"]
     assert "cloned policy</span>" in named["Policy alone failed"]
     assert "expert</span>" not in named["Policy alone failed"]
-    assert all("dagger</span>" in line for line in named.values())
+    assert all("DAgger</span>" in line for line in named.values())

@@ -17,6 +17,7 @@ from sheath_manip.exceptions import ParameterError
 from sheath_manip.experiments import learning
 from sheath_manip.experiments.learning import PREPARE, Job, next_jobs, run_experiment
 from sheath_manip.rollout.executing import Executing
+from sheath_manip.types.work import Headway
 from tests.rollout.two_nodes import two_nodes
 from tests.run_files import digests, measured
 from tests.toy import PLAN, STUDY
@@ -110,6 +111,41 @@ def test_an_experiment_that_is_done_only_writes_its_summary_again(here, tmp_path
     experiment(tmp_path / "again", workers=0)
     assert summary_of(tmp_path / "again") == summary_of(here)
     assert digests(tmp_path / "again") == before
+
+
+class Follower:
+    """A listener that wants to know how far the run is."""
+
+    def __init__(self) -> None:
+        self.told: list[Headway] = []
+
+    def on_fit(self, states) -> None: ...
+
+    def on_start(self, environment, info) -> None: ...
+
+    def on_step(self, environment, step) -> None: ...
+
+    def on_end(self, episode) -> None: ...
+
+    def on_headway(self, headway: Headway) -> None:
+        self.told.append(headway)
+
+
+@pytest.mark.usefixtures("_no_figures")
+@pytest.mark.parametrize("kept", ["all", "one method", "nothing that was measured"])
+def test_a_resumed_run_counts_up_to_the_same_end(here, tmp_path, kept):
+    shutil.copytree(here, tmp_path / "run")
+    runs = tmp_path / "run" / "runs"
+    if kept != "all":
+        for path in runs.glob("s*/*/round-*.json"):
+            if kept != "one method" or path.parent.name == "sheath":
+                path.unlink()
+    follower = Follower()
+    experiment(tmp_path / "run", workers=0, listeners=[follower])
+    *told, end = follower.told
+    assert end == Headway(end.units, end.units)
+    # Each unit once, and none that was not foreseen.
+    assert [each.done for each in told] == list(range(1, end.units + 1))
 
 
 def test_another_plan_does_not_resume_a_run(here, tmp_path):

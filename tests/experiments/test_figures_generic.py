@@ -22,10 +22,11 @@ from sheath_manip.experiments.figures import FIGURES, OF_SUMMARIES, View, style,
 from sheath_manip.experiments.figures.findings import bound, burden, failures, rates
 from sheath_manip.experiments.figures.intervention import best_intervention
 from sheath_manip.experiments.figures.replayed import pictures_of
-from sheath_manip.experiments.figures.style import drawn_methods, quantity, shown
+from sheath_manip.experiments.figures.style import drawn_methods
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.learning.config import LearningPlan
 from sheath_manip.playback import palette
+from sheath_manip.playback.written import quantity, shown
 from sheath_manip.types import EpisodeInfo, Purpose
 from tests.episodes import episode_of
 from tests.experiments.interventions import episode

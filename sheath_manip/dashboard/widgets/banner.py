@@ -55,13 +55,9 @@ def _banner(decision: GateDecision, fallback: str) -> str:
 
 
 def _box(colour: palette.Rgb, title: str, below: str) -> str:
-    ink = palette.css(palette.INK) if sum(colour) > _BRIGHT else "white"
+    ink = palette.css(palette.readable_on(colour))
     title = escape(title[:1].upper() + title[1:])
     return (
         f'<div style="{BOX};color:{ink};background:{palette.css(colour)}">'
         f'<div style="font-size:1.7em;font-weight:700">{title}</div>{escape(below)}</div>'
     )
-
-
-_BRIGHT = 500
-"""of red, green and blue together: white letters could not be read on it"""

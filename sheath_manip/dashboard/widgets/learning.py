@@ -1,47 +1,51 @@
 """Learning curves: what each round of each method showed so far."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-import numpy as np
-
+from sheath_manip.dashboard.chart_numbers import Curve, Form
 from sheath_manip.dashboard.line_chart import line_chart
 from sheath_manip.dashboard.markup import TEXT, caption, note
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
+from sheath_manip.learning.curves import SHARE, Curves
+from sheath_manip.learning.pooled import Field
 from sheath_manip.learning.results import EXPERT, RoundResult
-from sheath_manip.metrics import EpisodeRecord, expert_share, figures_of
+from sheath_manip.metrics import RATES
+from sheath_manip.playback import palette
+from sheath_manip.playback.written import capitalised, quantity, shown
+from sheath_manip.types import Outcome
 
 CLONED = "cloned policy"
 """that round 0 shows alone: fitted to episodes that the expert drove"""
+FIRST = palette.Look(palette.INK, "o")
 NO_ROUND = "The curves of sheath learn, or of an experiment, appear here with the first round."
+LEGEND = (
+    "Bands: 95 % intervals over the episodes of all training seeds. Dots: single seeds. For the "
+    "numbers point at a round, or go to a chart with Tab and through its rounds with the arrows."
+)
+SHARES = Form()
+FAILED, SUCCEEDED = RATES[Outcome.FAILURE], RATES[Outcome.SUCCESS]
+
+
+@dataclass(frozen=True)
+class _Chart:
+    title: str
+    detail: str
+    field: Field
+    quantity: str
+    form: Form = SHARES
 
 
 class LearningCurves:
-    """Curves of learning by round, each method a line; several training seeds are averaged."""
+    """Curves of learning by round, each method a line with its interval, each seed a dot."""
 
     def __init__(self, context: WidgetContext) -> None:
         gui = context.viser.gui
-        metric = context.spec.metric
         self._note = gui.add_html(note(NO_ROUND))
-        self._charts: list[tuple[Callable[[RoundResult], float], float | None, str]] = [
-            (lambda result: figures_of(result.executed).failure_rate, 0.0, EXPERT),
-            (lambda result: figures_of(result.executed).success_rate, 0.0, EXPERT),
-            (lambda result: _mean(result.policy, metric), None, CLONED),
-            (lambda result: figures_of(result.policy).failure_rate, 0.0, CLONED),
-            (lambda result: figures_of(result.policy).success_rate, 0.0, CLONED),
-            (lambda result: expert_share(result.executed), 0.0, EXPERT),
-        ]
-        self._drawn = []
-        for title, detail in (
-            ("Failed while learning", "share of the round's episodes"),
-            ("Succeeded while learning", "what neither failed nor succeeded is stuck"),
-            (metric, "mean, of the new policy alone on held-out scenes"),
-            ("Policy alone failed", "share of held-out scenes"),
-            ("Policy alone succeeded", "share of held-out scenes"),
-            ("Expert acted", "share of the round's steps"),
-        ):
-            html = gui.add_html("", visible=False)
-            self._drawn.append((caption(title, detail), html))
+        self._charts = _charts(context.spec.metric)
+        self._drawn = [gui.add_html("", visible=False) for _ in self._charts]
+        self._curves = Curves(context.spec.metric)
         self._results: Sequence[RoundResult] = ()
 
     def draw(self, snapshot: Snapshot) -> None:
@@ -49,30 +53,39 @@ class LearningCurves:
         if snapshot.results is self._results:
             return
         self._results = snapshot.results
-        self._note.visible = not snapshot.results
-        for (value, low, first), (title, html) in zip(self._charts, self._drawn, strict=True):
-            chart = _chart(snapshot.results, value, low, first)
-            html.content = f'{title}<div style="{TEXT}">{chart}</div>'
-            html.visible = bool(chart)
+        self._curves.take(snapshot.results)
+        self._note.content = note(LEGEND if snapshot.results else NO_ROUND)
+        for chart, html in zip(self._charts, self._drawn, strict=True):
+            drawn = line_chart(chart.title, _lines(self._curves, chart), chart.form)
+            title = caption(chart.title, chart.detail)
+            html.content = f'{title}<div style="{TEXT}">{drawn}</div>'
+            html.visible = bool(drawn)
 
 
-def _chart(
-    results: Sequence[RoundResult],
-    value: Callable[[RoundResult], float],
-    low: float | None,
-    first: str,
-) -> str:
-    """The lines of the methods; the round before all of them is named `first`."""
-    lines: dict[str, list[tuple[float, float]]] = {}
-    for method in dict.fromkeys(result.method for result in results):
-        of_method = [result for result in results if result.method == method]
-        rounds = sorted({result.round for result in of_method})
-        lines[first if method == EXPERT else method] = [
-            (number, float(np.mean([value(r) for r in of_method if r.round == number])))
-            for number in rounds
-        ]
-    return line_chart(lines, low)
+def _charts(metric: str) -> list[_Chart]:
+    name = capitalised(quantity(metric))
+    return [
+        _Chart("Failed while learning", "share of the round's episodes", "executed", FAILED),
+        _Chart("Succeeded while learning", "what did neither is stuck", "executed", SUCCEEDED),
+        _Chart(name, "mean, of the policy alone", "policy", metric, Form(False, None)),
+        _Chart("Policy alone failed", "share of held-out scenes", "policy", FAILED),
+        _Chart("Policy alone succeeded", "share of held-out scenes", "policy", SUCCEEDED),
+        _Chart("Expert acted", "share of the round's steps", "executed", SHARE),
+    ]
 
 
-def _mean(records: Sequence[EpisodeRecord], metric: str) -> float:
-    return figures_of(records).metric.get(metric, float("nan"))
+def _lines(curves: Curves, chart: _Chart) -> list[Curve]:
+    """The methods' lines, and what all of them begin with: the expert, or what was cloned of it."""
+    alone = chart.field == "policy"
+    start = curves.line(EXPERT, chart.field, chart.quantity)
+    looks = palette.methods(curves.methods)
+    lines = [
+        Curve(
+            shown(name),
+            looks[name],
+            curves.line(name, chart.field, chart.quantity),
+            start if alone else {},
+        )
+        for name in curves.methods
+    ]
+    return [*lines, Curve(CLONED if alone else EXPERT, FIRST, start)] if start else lines

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from sheath_manip.experiments.figures.findings import bound as found
 from sheath_manip.experiments.figures.style import (
     INK,
-    counted,
     drawing,
     drawn_methods,
     heading,
@@ -19,8 +18,8 @@ from sheath_manip.experiments.figures.style import (
     left_out,
     round_axis,
     round_ticks,
-    shown,
 )
+from sheath_manip.playback.written import counted, shown
 
 PANELS = 4
 """that stand beside each other"""

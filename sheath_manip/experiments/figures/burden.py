@@ -13,7 +13,6 @@ from sheath_manip.experiments.burdens import STEPS, round_burdens
 from sheath_manip.experiments.figures.findings import burden as found
 from sheath_manip.experiments.figures.style import (
     GREY,
-    counted,
     drawing,
     drawn_methods,
     heading,
@@ -24,8 +23,8 @@ from sheath_manip.experiments.figures.style import (
     offsets,
     round_axis,
     round_ticks,
-    shown,
 )
+from sheath_manip.playback.written import counted, shown
 
 
 def burden(summary: Mapping[str, Any], path: Path) -> None:

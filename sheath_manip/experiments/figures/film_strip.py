@@ -25,6 +25,8 @@ from sheath_manip.support.calibration import REJECT_ALL
 from sheath_manip.types import Reason
 
 FRAMES = 5
+ALWAYS = 0.9
+"""share of the steps in which policy and expert differ, from which on a band says nothing"""
 _LEADS = {
     Reason.OUTSIDE: "The policy leaves its support",
     Reason.RISK: "The policy wants what no expert did in such a state",
@@ -50,7 +52,8 @@ def film_strip(shown: Intervention, path: Path, note: str = "") -> None:
             figure,
             _finding(shown),
             f"{info.task}, {info.method}, round {info.round}, training seed {info.run_seed}, "
-            f"scene {info.seed}{note and f', {note}'}; the letters mark the frames below",
+            f"scene {info.seed}{note and f', {note}'}{_always(shown)}; the letters mark the frames "
+            "below",
         )
         ratios = (min(tall, 450), 430)
         above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=ratios)[:, 0]
@@ -73,6 +76,18 @@ def _finding(shown: Intervention) -> str:
     who = actor_label(decision.actor, decision.reason).removesuffix(" acts")
     back = " and hands back" if shown.window.stop > shown.stop else ""
     return f"{lead}: the {who} acts for {shown.expert_s:.1f} s{back}"
+
+
+def _differ(shown: Intervention) -> NDArray[np.bool_]:
+    return shown.view.disagreed(shown.episode)[shown.window]
+
+
+def _always(shown: Intervention) -> str:
+    """In words what else is a band below the score."""
+    differ = _differ(shown)
+    if differ.mean() < ALWAYS:
+        return ""
+    return f"; policy and expert want different actions in {differ.sum()} of {len(differ)} steps"
 
 
 def _time_s(shown: Intervention, moment: int) -> float:
@@ -128,8 +143,9 @@ def _score(axes: Axes, shown: Intervention) -> None:
     axes.plot(times, threshold, color=INK, linestyle=(0, (4, 3)), linewidth=1, label="threshold")
     low, high = axes.get_ylim()
     bottom = low - 0.14 * (high - low)
-    differ = shown.view.disagreed(shown.episode)[shown.window]
-    for number, (start, stop) in enumerate(_spans(times, differ, step_s)):
+    differ = _differ(shown)
+    spans = [] if differ.mean() >= ALWAYS else _spans(times, differ, step_s)
+    for number, (start, stop) in enumerate(spans):
         axes.fill_between(
             [start, stop],
             bottom,

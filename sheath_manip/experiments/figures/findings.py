@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from sheath_manip.experiments.burdens import overall_burdens
-from sheath_manip.experiments.figures.style import drawn_methods, in_percent, shown
+from sheath_manip.experiments.figures.style import drawn_methods
+from sheath_manip.playback.written import in_percent, shown
 
 OVERALL, FINAL = "overall", "final"
 OURS, THEIRS = "sheath", "dagger"

@@ -11,8 +11,6 @@ from sheath_manip.experiments.figures.findings import failures
 from sheath_manip.experiments.figures.style import (
     INK,
     PAPER,
-    capitalised,
-    counted,
     drawing,
     drawn_methods,
     heading,
@@ -22,12 +20,11 @@ from sheath_manip.experiments.figures.style import (
     looks,
     offsets,
     percent_axis,
-    quantity,
     round_axis,
     round_ticks,
-    shown,
 )
 from sheath_manip.metrics import ENDED, endings
+from sheath_manip.playback.written import capitalised, counted, quantity, shown
 from sheath_manip.types import Outcome
 
 ROWS = (Outcome.FAILURE, Outcome.TIME_LIMIT, Outcome.SUCCESS)

@@ -18,6 +18,7 @@ from PIL import Image
 from sheath_manip.files.outputs import written_aside
 from sheath_manip.playback import palette
 from sheath_manip.playback.gif import limited
+from sheath_manip.playback.written import capitalised, counted
 from sheath_manip.types import Actor
 
 WIDTH_PX = 1600
@@ -117,45 +118,6 @@ def looks(names: Iterable[str]) -> dict[str, dict[str, Any]]:
     }
 
 
-def shown(name: str) -> str:
-    """A method's name as its authors write it."""
-    written = {
-        "sheath": "SHEATH",
-        "sheath-own-labels": "SHEATH, own labels",
-        "sheath-plain": "SHEATH as in the draft",
-        "dagger": "DAgger",
-        "dagger-beta": "DAgger with β",
-        "hg-dagger": "HG-DAgger",
-        "lazy-dagger": "LazyDAgger",
-        "thrifty-dagger": "ThriftyDAgger",
-        "smile": "SMILe",
-        "shiv": "SHIV's queries",
-        "cloning": "behaviour cloning",
-    }
-    return written.get(name, name.replace("-", " "))
-
-
-def quantity(metric: str) -> str:
-    """A metric as an axis calls it: `distance_tiles` is a distance in tiles."""
-    if metric in _WRITTEN:
-        return _WRITTEN[metric]
-    name, _, unit = metric.rpartition("_")
-    return f"{name.replace('_', ' ')} ({unit})" if name else unit
-
-
-_WRITTEN = {"iou": "IoU"}
-
-
-def capitalised(words: str) -> str:
-    """Return `words` with a capital first letter, and all others as they are."""
-    return words[:1].upper() + words[1:]
-
-
-def counted(count: int, what: str) -> str:
-    """`1 episode`, `2 episodes`."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
-
-
 def legend_below(figure: Figure, axes: Axes) -> None:
     """The legend of `axes` for all of `figure`."""
     handles, labels = axes.get_legend_handles_labels()
@@ -211,11 +173,6 @@ def percent_axes(axes: Axes) -> None:
 def last_round(summary: Mapping[str, Any]) -> int:
     """The highest round that any method has."""
     return max(method["rounds"][-1]["round"] for method in summary["methods"].values())
-
-
-def in_percent(share: float) -> str:
-    """Return a share as titles and ticks write it, with no more digits than say something."""
-    return f"{float(f'{100 * share:.2g}'):g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 def _percent(axis: Axis) -> None:

@@ -8,15 +8,14 @@ from matplotlib.transforms import offset_copy
 
 from sheath_manip.experiments.figures.findings import OVERALL, rates, talked_about
 from sheath_manip.experiments.figures.style import (
-    counted,
     drawing,
     drawn_methods,
     heading,
     left_out,
     looks,
     percent_axes,
-    shown,
 )
+from sheath_manip.playback.written import counted, shown
 
 NAME_PT = 15.0
 EXPERT_ALONE = 0.98

@@ -14,7 +14,6 @@ from sheath_manip.experiments.figures.style import (
     INK,
     drawing,
     heading,
-    in_percent,
     looks,
     percent_axes,
     round_ticks,
@@ -23,6 +22,7 @@ from sheath_manip.experiments.gates.rows import EXPERT, POLICY, RANDOM
 from sheath_manip.experiments.gates.summary import NOTICED
 from sheath_manip.experiments.gates.table import by_costly_mistakes
 from sheath_manip.experiments.table import seeds_shown
+from sheath_manip.playback.written import in_percent
 
 SHARE = "share"
 """what the other figure's name ends in"""

@@ -16,7 +16,6 @@ from sheath_manip.experiments.progress import Stopwatch, shown_progress
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.files.json_files import write_json
-from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.resuming import require_same_plan, without_seeds
 from sheath_manip.rollout.executing import TWO, Executing
 
@@ -51,7 +50,7 @@ def run_nu(
         EpisodeStore.create(at.runs / "store")
     jobs = [Job(at.task, at.plan, at.runs, seed, METHOD) for at in settings for seed in at.seeds]
     stopwatch = Stopwatch(runs / "wall.json")
-    with shown_progress(console, sum(_units(job.plan) for job in jobs), stopwatch) as report:
+    with shown_progress(console, sum(job.plan.units_of_run() for job in jobs), stopwatch) as report:
         run_jobs(jobs, lambda _: (), executing, report)
     summary = summarise(settings, plan, command, stopwatch.tick(force=True))
     write_json(results / "summary.json", summary)
@@ -60,11 +59,3 @@ def run_nu(
     for path in (results / "summary.json", *paths):
         console.print(f"  {path}")
     return summary
-
-
-def _units(plan: LearningPlan) -> int:
-    """How often a job reports."""
-    schedule, held_out = plan.schedule, plan.comparison.evaluation_episodes
-    expert = schedule.demonstrations + schedule.calibration + schedule.false_alarm_episodes
-    rounds = schedule.rounds * (schedule.episodes + 1 + held_out)
-    return expert + 1 + held_out + rounds + plan.comparison.final_episodes

@@ -11,18 +11,15 @@ from matplotlib.colors import to_hex
 
 from sheath_manip.experiments.figures.style import (
     INK,
-    capitalised,
-    counted,
     drawing,
     heading,
-    in_percent,
     legend_below,
     offsets,
     percent_axis,
-    quantity,
     round_axis,
     round_ticks,
 )
+from sheath_manip.playback.written import capitalised, counted, in_percent, quantity
 
 MARKERS = "osDv^P*X"
 LINES = 3

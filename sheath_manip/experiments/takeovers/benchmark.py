@@ -71,9 +71,4 @@ def run_takeovers(
 
 def _units(job: AnyJob) -> int:
     """How often a job reports."""
-    if not isinstance(job, Learn):
-        return 1
-    schedule, held_out = job.plan.schedule, job.plan.comparison.evaluation_episodes
-    expert = schedule.demonstrations + schedule.calibration + schedule.false_alarm_episodes
-    rounds = schedule.rounds * (schedule.episodes + 1 + held_out)
-    return expert + 1 + held_out + rounds + job.plan.comparison.final_episodes
+    return job.plan.units_of_run() if isinstance(job, Learn) else 1

@@ -11,7 +11,6 @@ from sheath_manip.experiments.figures.style import (
     INK,
     drawing,
     heading,
-    in_percent,
     looks,
     percent_axes,
     percent_axis,
@@ -19,6 +18,7 @@ from sheath_manip.experiments.figures.style import (
 )
 from sheath_manip.experiments.takeovers.plan import BASELINES_OF, TAKEOVERS
 from sheath_manip.experiments.takeovers.table import NAMES
+from sheath_manip.playback.written import in_percent
 
 LIKE = ("sheath", "random-takeover", "dagger", "cloning")
 """methods in whose colours they are drawn"""

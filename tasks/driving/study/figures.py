@@ -13,17 +13,10 @@ from numpy.typing import NDArray
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.figures.intervention import NothingToShowError
-from sheath_manip.experiments.figures.style import (
-    EXPERT,
-    GREY,
-    INK,
-    POLICY,
-    drawing,
-    heading,
-    in_percent,
-)
+from sheath_manip.experiments.figures.style import EXPERT, GREY, INK, POLICY, drawing, heading
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.playback import palette
+from sheath_manip.playback.written import in_percent
 from sheath_manip.support.plane import NUS, PlaneLevels, plane_levels
 from sheath_manip.tasks.composer_environment import ComposerEnvironment
 from sheath_manip.tasks.driving.task import DrivingTask
