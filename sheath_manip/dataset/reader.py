@@ -17,7 +17,8 @@ from sheath_manip.dataset.layout import MOST_CHUNK_BYTES, ArraySpec, layout
 from sheath_manip.dataset.marks import Marks, learnable
 from sheath_manip.dataset.moments import COLUMNS, EpisodeMoments
 from sheath_manip.dataset.recorded import Recorded
-from sheath_manip.dataset.steps import episode_from, require_sound
+from sheath_manip.dataset.rows import episode_from
+from sheath_manip.dataset.steps import require_sound
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Episode, Outcome, Purpose
 

@@ -1,13 +1,11 @@
-"""How the steps of an episode become arrays, and the arrays steps again."""
+"""How the steps of an episode become arrays, and what arrays must hold."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dataset.broken_steps import broken_by_step
 from sheath_manip.dataset.faults import REMEDY, Fault, FaultError, FaultKind
 from sheath_manip.dataset.header import Header, columns_of, header_of
 from sheath_manip.dataset.layout import LIMITED, SIGNALS, Arrays, layout
@@ -15,14 +13,7 @@ from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Frames, Recorded
 from sheath_manip.dataset.space import Space
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import (
-    Episode,
-    GateDecision,
-    Limited,
-    Observation,
-    SignalScore,
-    Step,
-)
+from sheath_manip.types import Episode
 
 COLUMNS = (
     "features",
@@ -42,18 +33,6 @@ COLUMNS = (
     "reward",
 )
 """of `Episode.columns`, as they are stored"""
-_NUMBERS = (
-    "actor",
-    "reason",
-    "score",
-    "threshold",
-    "query",
-    "reward",
-    "time_s",
-    "has_proposed",
-    "has_labelled",
-)
-_ROWS = ("features", "state", "proposed", "labelled", "executed")
 
 
 def recorded_of(episode: Episode, space: Space | None = None) -> Recorded:
@@ -116,74 +95,6 @@ def require_layout(header: Header, arrays: Mapping[str, Any]) -> None:
                 f"{episode_name(header.info)}: {spec.path} is {found}; "
                 f"wanted {spec.dtype} {spec.shape}"
             )
-
-
-def episode_from(header: Header, arrays: Arrays) -> Episode:
-    """The episode of `header`; where `arrays` lacks images, its observations have none."""
-    cameras = [camera for camera in header.cameras if f"images/{camera}" in arrays]
-    # As lists of rows and of plain numbers: one at a time, numpy takes twice as long.
-    actors, reasons, scores, thresholds, queries, rewards, times_s, has_proposed, has_labelled = (
-        arrays[name].tolist() for name in _NUMBERS
-    )
-    features, states, proposed, labelled, executed = (list(arrays[name]) for name in _ROWS)
-    images = {camera: list(arrays[f"images/{camera}"]) for camera in cameras}
-    broken = broken_by_step(header.broken, header.length)
-    waited_s = {wait.step: wait.waited_s for wait in header.waits}
-    limited = arrays[LIMITED].tolist() if header.limits else None
-    signals = arrays[SIGNALS].tolist() if header.signals else [[]] * header.length
-    steps = tuple(
-        Step(
-            observation=Observation(
-                {camera: frames[t] for camera, frames in images.items()},
-                features[t],
-                times_s[t],
-                header.instruction,
-            ),
-            state=states[t],
-            proposed=proposed[t] if has_proposed[t] else None,
-            labelled=labelled[t] if has_labelled[t] else None,
-            decision=GateDecision(
-                header.actors[actors[t]],
-                queries[t],
-                header.reasons[reasons[t]],
-                scores[t],
-                thresholds[t],
-                broken.get(t, ()),
-                waited_s.get(t, 0.0),
-                tuple(
-                    SignalScore(name, score, share)
-                    for name, (score, share) in zip(header.signals, signals[t], strict=True)
-                    if not math.isnan(score)
-                ),
-            ),
-            executed=executed[t],
-            reward=rewards[t],
-            limited=() if limited is None else _limits(header, limited[t]),
-        )
-        for t in range(header.length)
-    )
-    return Episode(
-        info=header.info,
-        steps=steps,
-        final_observation=Observation(
-            {camera: arrays[f"final/images/{camera}"] for camera in cameras},
-            arrays["final/features"],
-            float(arrays["final/time_s"]),
-            header.instruction,
-        ),
-        final_state=arrays["final/state"],
-        terminated=header.terminated,
-        truncated=header.truncated,
-        outcome=header.outcome,
-        metrics=header.metrics,
-        cut_short_by=next(iter(broken.get(header.length, ())), None),
-    )
-
-
-def _limits(header: Header, shares: list[float]) -> tuple[Limited, ...]:
-    """Those that changed a command."""
-    limits = zip(header.limits, shares, strict=True)
-    return tuple(Limited(limit, by) for limit, by in limits if not math.isnan(by))
 
 
 def require_sound(header: Header, arrays: Arrays) -> None:

@@ -15,6 +15,7 @@ REASONS = tuple(Reason)
 """in the order of `Columns.reason`, whose numbers are places in it"""
 WITHOUT_PROPOSAL = (Reason.INVALID_PROPOSAL, Reason.POLICY_FAILED, Reason.TOO_LATE)
 """why somebody acts where a policy that there is has proposed nothing to be executed"""
+_WITHOUT_PROPOSAL = [REASONS.index(reason) for reason in WITHOUT_PROPOSAL]
 IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]
 
 
@@ -69,12 +70,13 @@ class Columns:
         width = steps[0].executed.size if steps else 0
         actor = np.array([ACTORS.index(decision.actor) for decision in decisions], np.uint8)
         reason = np.array([REASONS.index(decision.reason) for decision in decisions], np.uint8)
+        has_proposed = np.array([step.proposed is not None for step in steps], bool)
         return cls(
             time_s=np.array([step.observation.time_s for step in steps], np.float64),
             features=stacked([step.observation.features for step in steps]),
             state=stacked([step.state for step in steps]),
             proposed=_filled([step.proposed for step in steps], width),
-            has_proposed=np.array([step.proposed is not None for step in steps], bool),
+            has_proposed=has_proposed,
             labelled=_filled([step.labelled for step in steps], width),
             has_labelled=np.array([step.labelled is not None for step in steps], bool),
             executed=stacked([step.executed for step in steps]),
@@ -85,7 +87,7 @@ class Columns:
             threshold=np.array([decision.threshold for decision in decisions], np.float64),
             reward=np.array([step.reward for step in steps], np.float64),
             limited=np.array([bool(step.limited) for step in steps], bool),
-            intervention=np.array([intervened(step, driven) for step in steps], bool),
+            intervention=intervening(actor, reason, has_proposed, driven),
             waited_s=np.array([decision.waited_s for decision in decisions], np.float64),
             signals=_by_signal(decisions),
         )
@@ -119,15 +121,33 @@ class Columns:
         return np.where(self.has_label[:, None], self.labelled, np.nan).astype(self.labelled.dtype)
 
 
-def intervened(step: Step, driven: bool) -> bool:
-    """Tell whether somebody else than the policy acted in `step`, though there was one to act.
+def intervening(
+    actor: NDArray[np.uint8],
+    reason: NDArray[np.uint8],
+    has_proposed: NDArray[np.bool_],
+    driven: bool,
+) -> NDArray[np.bool_]:
+    """Return (T,) whether somebody else than the policy acted, though there was one to act.
 
     Runs of such steps are the interventions: the one definition for tables, stores, pages and
     results. There was a policy where a checkpoint drove the episode (`driven`), where one proposed,
     and where its proposal was invalid, which is recorded as none.
     """
-    has_policy = driven or step.proposed is not None or step.decision.reason in WITHOUT_PROPOSAL
-    return has_policy and step.decision.actor is not Actor.POLICY
+    has_policy = has_proposed | np.isin(reason, _WITHOUT_PROPOSAL) | driven
+    return has_policy & (actor != ACTORS.index(Actor.POLICY))
+
+
+def intervened(step: Step, driven: bool) -> bool:
+    """Tell of one step what `intervening` does of many."""
+    actor, reason = step.decision.actor, step.decision.reason
+    return bool(
+        intervening(
+            np.array([ACTORS.index(actor)], np.uint8),
+            np.array([REASONS.index(reason)], np.uint8),
+            np.array([step.proposed is not None]),
+            driven,
+        )[0]
+    )
 
 
 def stacked(rows: Sequence[NDArray]) -> NDArray:

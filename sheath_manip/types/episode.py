@@ -1,6 +1,6 @@
 """One episode: where it comes from, its steps, how it ended."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
@@ -115,7 +115,7 @@ class Episode:
     """T steps and T+1 observations: a table, of which a `Step` is a row."""
 
     info: EpisodeInfo
-    steps: tuple[Step, ...]
+    steps: Sequence[Step]
     final_observation: Observation
     final_state: NDArray[np.float64]
     terminated: bool

@@ -8,10 +8,12 @@ from sheath_manip.dataset.check import check
 from sheath_manip.dataset.header import header_of
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.recorded import Frames
-from sheath_manip.dataset.steps import arrays_of, episode_from
+from sheath_manip.dataset.rows import episode_from
+from sheath_manip.dataset.steps import arrays_of
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.dataset.zarr_files import group_file
 from sheath_manip.types import Episode
+from sheath_manip.types.columns import Columns
 from tests.cases import cases
 from tests.dataset.generated import episodes
 from tools.identical import identical
@@ -26,7 +28,18 @@ def test_header_and_arrays_hold_all_of_an_episode(episode: Episode) -> None:
         path: rows[(slice(None),)] if isinstance(rows, Frames) else rows
         for path, rows in arrays_of(episode, header).items()
     }
-    assert identical(episode_from(read, arrays), episode)
+    again = episode_from(read, arrays)
+    assert identical(again, episode)
+    # What is read by column is what its steps are, one by one.
+    made = Columns.of(again.steps, driven=bool(episode.info.checkpoint))
+    for name, column in vars(made).items():
+        found = getattr(again.columns, name)
+        if name == "signals":
+            assert list(found) == list(column)
+            assert all(np.array_equal(found[each], column[each], equal_nan=True) for each in found)
+        else:
+            assert found.dtype == column.dtype, name
+            np.testing.assert_array_equal(found, column, err_msg=name)
 
 
 @cases(6)

@@ -10,7 +10,8 @@ from sheath_manip.dataset.exchange.selection import (
     runs,
     selected,
 )
-from sheath_manip.dataset.steps import by_expert, episode_from
+from sheath_manip.dataset.rows import episode_from
+from sheath_manip.dataset.steps import by_expert
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
