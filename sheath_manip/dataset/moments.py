@@ -8,7 +8,7 @@ is as usual, and gates of different scores can be held against each other.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,12 @@ _ACTORS = {str(actor): actor for actor in Actor}
 _REASONS = {str(reason): reason for reason in Reason}
 
 
-@dataclass(frozen=True)
-class Takeover:
-    """An intervention: a run of steps in which somebody else than the policy acts."""
+class Takeover(NamedTuple):
+    """An intervention: a run of steps in which somebody else than the policy acts.
+
+    A tuple, since a wall reads hundreds of thousands of them, and a frozen dataclass takes thrice
+    the time to be made.
+    """
 
     start: int
     stop: int
@@ -44,8 +47,7 @@ class Takeover:
     """the lowest in it; NaN where there is no score"""
 
 
-@dataclass(frozen=True)
-class NearMiss:
+class NearMiss(NamedTuple):
     """A step in which the policy acted with a score that was near its threshold."""
 
     step: int
