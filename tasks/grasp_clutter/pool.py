@@ -19,6 +19,11 @@ _PARKED_M = -1.0
 _PART = ("foot", "neck")
 
 
+_OF_BODIES = ("body_mass", "body_inertia", "body_ipos", "body_iquat")
+_OF_GEOMS = ("geom_pos", "geom_size", "geom_rgba", "geom_rbound", "geom_aabb")
+"""the model's arrays that a scene shapes"""
+
+
 def add_pool(root: mjcf.RootElement, *, movable: bool) -> None:
     """Add the pool's bodies to `root`: free to move, or as mocap bodies without mass."""
     worldbody: Any = root.worldbody
@@ -61,6 +66,7 @@ class Pool:
         self._free = [int(model.body_jntadr[body]) for body in self.bodies]
         # One after the other, as they were added.
         self._rows = slice(self.bodies[0], self.bodies[-1] + 1)
+        self._compiled = {name: getattr(model, name).copy() for name in _OF_BODIES + _OF_GEOMS}
         self._scratch = mujoco.MjData(model)
         self.slots: tuple[int, ...] = ()
         """of the scene's objects, in their order: indices into `bodies`"""
@@ -78,6 +84,8 @@ class Pool:
             present = slot in self.slots
             model.geom_contype[geoms] = model.geom_conaffinity[geoms] = int(present)
             model.body_gravcomp[self.bodies[slot]] = 0.0 if present else 1.0
+            if not present:
+                self._hide(slot)
         for slot, each in zip(self.slots, scene.objects, strict=True):
             self._shape(slot, each)
         # What MuJoCo derives from masses and inertias.
@@ -105,6 +113,15 @@ class Pool:
         turning = rates[:, 4:5] * axes[:, :, 0] - rates[:, 3:4] * axes[:, :, 1]
         velocities = rates[:, :3] + model.body_ipos[bodies, 2:] * turning
         return model.body_mass[bodies, None] * velocities
+
+    def _hide(self, slot: int) -> None:
+        """Let nothing of an earlier scene be left: a camera above the table's edge sees below it."""
+        model = self._model
+        for names, rows in ((_OF_BODIES, self.bodies[slot]), (_OF_GEOMS, self._geoms[slot])):
+            for name in names:
+                getattr(model, name)[rows] = self._compiled[name][rows]
+        # What is wholly transparent is not drawn.
+        model.geom_rgba[self._geoms[slot], 3] = 0.0
 
     def _shape(self, slot: int, each: StandingObject) -> None:
         model, body = self._model, self.bodies[slot]

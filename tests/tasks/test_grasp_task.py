@@ -130,6 +130,24 @@ def test_objects_fall_beyond_their_tip_angle_and_not_below(name, table):
             assert table.tilts_rad()[1] < 0.02
 
 
+def test_nothing_of_an_earlier_scene_is_left(table):
+    fresh = Table()
+    for other in (table, fresh):
+        if other is table:
+            # Fills the pool, whose bodies the next scene leaves below the table.
+            other.lay(CAN, replace(CAN, x_m=0.6), replace(OBJECTS["box"], x_m=0.3))
+        other.lay(OBJECTS["bottle"])
+    left, wanted = table.model, fresh.model
+    for name in dir(wanted):
+        array = getattr(wanted, name)
+        if isinstance(array, np.ndarray):
+            np.testing.assert_array_equal(getattr(left, name), array, err_msg=name)
+    below = [geom for geom in range(left.ngeom) if table.data.geom_xpos[geom, 2] < -0.5]
+    assert below
+    assert (left.geom_rgba[below, 3] == 0).all()
+    fresh.environment.close()
+
+
 def test_masses_are_those_that_mujoco_finds_for_the_shapes():
     each = OBJECTS["bottle"]
     parts = "".join(
