@@ -26,6 +26,8 @@ class Sizes:
     """drawn to see what one costs"""
     trials: int
     """of taking over, and of stopping"""
+    wall_episodes: int = 0
+    """of the replay whose wall is open beside"""
 
 
 class EnoughError(BaseException):
