@@ -1,8 +1,9 @@
 """Film the page at work: a policy drives, the robot asks, a person drives; then one looks back.
 
-    python -m tools.film_page FILE.mp4 [--checkpoint FILE --store DIRECTORY]
+    python -m tools.film_page FILE.mp4 [--checkpoint FILE --store DIRECTORY] [--learned TASK RUNS]
 
-Without a checkpoint one is trained first by driving's plan `quick`. Headless Chromium shows the
+Without a checkpoint one is trained first by driving's plan `quick`. RUNS is the folder of an
+experiment of TASK, whose learning curves the film ends with. Headless Chromium shows the
 page; the person's hands are the scripted expert's, on the page's own keys. The film runs as the
 clock did while it was taken, and leaves out what lay between.
 """
@@ -27,6 +28,7 @@ from sheath_manip.cli.options import Address
 from sheath_manip.cli.session import Catalog, Session
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import Ending
+from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.catalog import EpisodeCatalog
 from sheath_manip.dataset.recorder import Recorder
 from sheath_manip.dataset.store import EpisodeStore
@@ -35,6 +37,7 @@ from sheath_manip.playback.video import mp4
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.serial import SerialExecutor
 from sheath_manip.rollout.threads import single_threaded
+from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
@@ -42,9 +45,12 @@ from tools.chromium import chromium_page, open_dashboard, wait_until
 from tools.fleet_person import Eyes
 from tools.reel import RATE_HZ, Reel
 from tools.replayed_page import replayed
+from tools.screenshot_learning import info_of, results_of
 from tools.screenshot_subject import Subject, subject_of
 from tools.scripted_person import at_the_wheel
 
+GROWN = 20
+"""pictures of the curves as they grow"""
 SPEED = 0.5
 """times the task's pace, since the software that draws is slow"""
 
@@ -172,6 +178,8 @@ def served(reel: Reel, cockpit: Cockpit, hands: Hands) -> None:
     tab("Run")
     serve(10, "T takes over; the keys that drive lie over the scene.")
     reel.roll_until(lambda: cockpit.state.asking, "H hands back: the policy drives again.", 12)
+    tab("Support")
+    reel.roll(6, "Where it learned, as a map: inside the policy acts, outside the expert.")
     tab("What if")
     reel.roll(7, "What if the threshold lay elsewhere? Seen on what is recorded, before it acts.")
     tab("Run")
@@ -198,6 +206,7 @@ def looked_back(reel: Reel, subject: Subject, folder: Path) -> None:
         reel.roll(8, "All of it is recorded: replay, with J K L and the arrows.")
         page.keyboard.press("k")
         strip = page.locator("[data-sheath-span]")
+        wait_until(lambda: strip.bounding_box() is not None, "timeline", page)
         box = strip.bounding_box()
         assert box is not None
         for share in (0.2, 0.4, 0.6, 0.8):
@@ -212,12 +221,38 @@ def looked_back(reel: Reel, subject: Subject, folder: Path) -> None:
         reel.roll(5, "C makes a clip of any stretch.")
 
 
+def learned(reel: Reel, task: Task, runs: Path) -> None:
+    """The learning curves of an experiment, as they grow, and the numbers of a round."""
+    page, results = reel.page, results_of(runs)
+    environment = task.make()
+    with Dashboard(environment.spec, port=0) as dashboard:
+        dashboard.on_start(environment, info_of(environment.spec, results[0]))
+        open_dashboard(page, dashboard.address)
+        settle(page)
+        page.get_by_role("tab", name="Learning").click()
+        words = "While it learns: each method's rounds, with 95 % intervals and each training seed."
+        for number, result in enumerate(results):
+            dashboard.on_round(result)
+            if number % (len(results) // GROWN) == 0:
+                reel.roll(0.5, words)
+        reel.roll(2, words)
+        chart = page.locator("[data-sheath-chart]").first
+        chart.focus()
+        for _ in range(4):
+            page.keyboard.press("ArrowLeft")
+            reel.roll(2, "Point at a round, or go there by the arrows: its numbers.")
+    environment.close()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("out", type=Path, help="the mp4")
     parser.add_argument("--checkpoint", type=Path, help="of the policy and its gate")
     parser.add_argument("--store", type=Path, help="of the episodes that it was fitted to")
+    parser.add_argument(
+        "--learned", nargs=2, metavar=("TASK", "RUNS"), help="an experiment that has run"
+    )
     options = parser.parse_args(arguments)
     options.expert = False
     task = TASKS["driving"]
@@ -230,6 +265,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             served(reel, cockpit, hands)
         looked_back(reel, subject, folder)
         twin.close()
+        if options.learned is not None:
+            name, runs = options.learned
+            learned(reel, TASKS[name], Path(runs))
     options.out.write_bytes(mp4(reel.shown(), RATE_HZ))
     print(f"{options.out}: {reel.clock_s:.0f} s, {options.out.stat().st_size / 1e6:.1f} MB")
     return 0

@@ -20,7 +20,7 @@ from sheath_manip.learning.headway import time_left_s
 from sheath_manip.learning.results import EXPERT, RoundResult, round_results
 from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
-from sheath_manip.types import EpisodeInfo, Purpose
+from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
 from sheath_manip.types.work import Headway, Work
 from tools.chromium import chromium_page, open_dashboard, take_picture
 
@@ -61,19 +61,24 @@ def tell(dashboard: Dashboard, task: Task, results: Sequence[RoundResult], wall_
     dashboard.on_headway(Headway(done, units, time_left_s(wall_s * done / units, done / units)))
     last, environment = told[-1], task.make()
     environment.reset(0)
-    info = EpisodeInfo.of(
-        environment.spec,
-        variant="default",
-        seed=0,
-        purpose=Purpose.LEARNING,
-        method=last.method,
-        round=last.round + 1,
-        index=0,
-        run_seed=last.run_seed,
-    )
+    info = info_of(environment.spec, last)
     dashboard.on_start(environment, info)
     dashboard.on_work(Work(f"fitting round {info.round}", FITTED))
     environment.close()
+
+
+def info_of(spec: TaskSpec, result: RoundResult) -> EpisodeInfo:
+    """Return the info of an episode of the round after `result`."""
+    return EpisodeInfo.of(
+        spec,
+        variant="default",
+        seed=0,
+        purpose=Purpose.LEARNING,
+        method=result.method,
+        round=result.round + 1,
+        index=0,
+        run_seed=result.run_seed,
+    )
 
 
 def photograph(page: Page, out: Path) -> None:
