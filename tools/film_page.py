@@ -41,6 +41,7 @@ from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
+from sheath_manip.types.work import Work
 from tools.chromium import chromium_page, open_dashboard, wait_until
 from tools.fleet_person import Eyes
 from tools.reel import RATE_HZ, Reel
@@ -178,8 +179,6 @@ def served(reel: Reel, cockpit: Cockpit, hands: Hands) -> None:
     tab("Run")
     serve(10, "T takes over; the keys that drive lie over the scene.")
     reel.roll_until(lambda: cockpit.state.asking, "H hands back: the policy drives again.", 12)
-    tab("Support")
-    reel.roll(6, "Where it learned, as a map: inside the policy acts, outside the expert.")
     tab("What if")
     reel.roll(7, "What if the threshold lay elsewhere? Seen on what is recorded, before it acts.")
     tab("Run")
@@ -203,7 +202,7 @@ def looked_back(reel: Reel, subject: Subject, folder: Path) -> None:
     with replayed(page, subject.task, catalog, explainer, fitted):
         settle(page)
         page.wait_for_function("window.sheathSeek?.open && window.sheathWall")
-        reel.roll(8, "All of it is recorded: replay, with J K L and the arrows.")
+        reel.roll(10, "All of it is recorded: replay, with J K L and the arrows.")
         page.keyboard.press("k")
         strip = page.locator("[data-sheath-span]")
         wait_until(lambda: strip.bounding_box() is not None, "timeline", page)
@@ -214,9 +213,9 @@ def looked_back(reel: Reel, subject: Subject, folder: Path) -> None:
             reel.roll(2, "A click on the timeline seeks; colours say who acted.")
         page.keyboard.press("o")
         page.locator("#sheath-wall .tile img").first.wait_for()
-        reel.roll(8, "O: the wall of moments, failures, takeovers and near misses, worst first.")
+        reel.roll(10, "O: the wall of moments, failures, takeovers and near misses, worst first.")
         page.keyboard.press("Enter")
-        reel.roll(5, "Enter shows one in the replay.")
+        reel.roll(7, "Enter shows one in the replay.")
         page.keyboard.press("c")
         reel.roll(5, "C makes a clip of any stretch.")
 
@@ -233,6 +232,9 @@ def learned(reel: Reel, task: Task, runs: Path) -> None:
         words = "While it learns: each method's rounds, with 95 % intervals and each training seed."
         for number, result in enumerate(results):
             dashboard.on_round(result)
+            # So it is between rounds, and no picture is late.
+            share = number / len(results)
+            dashboard.on_work(Work(f"fitting round {result.round + 1}", share))
             if number % (len(results) // GROWN) == 0:
                 reel.roll(0.5, words)
         reel.roll(2, words)
