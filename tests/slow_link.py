@@ -1,6 +1,7 @@
-"""A slow link before a server of this machine: it takes in all, and hands on so much a second.
+"""A tunnel to a server of this machine, and a slow one, that hands on so much a second.
 
-As a router or a tunnel with a deep buffer does: the sender never notices that it queues.
+The slow one takes in all, as a router with a deep buffer does: the sender never notices that it
+queues.
 """
 
 import queue
@@ -13,26 +14,30 @@ from contextlib import contextmanager, suppress
 CHUNK = 4096
 
 
-class SlowLink:
-    """Forwards connections from a port of its own; what comes back is slowed down."""
+class Tunnel:
+    """Forwards connections from an address of its own, as ssh -L does."""
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, at: tuple[str, int] = ("127.0.0.1", 0)) -> None:
         """Lead to `port` of this machine, at full speed until `bytes_per_s` is set."""
         self.bytes_per_s = float("inf")
         self._inner = port
-        self._listener = socket.create_server(("127.0.0.1", 0))
+        family = socket.AF_INET6 if ":" in at[0] else socket.AF_INET
+        self._listener = socket.create_server(at, family=family)
         self.port: int = self._listener.getsockname()[1]
         self._lock = threading.Lock()
         self._free_s = 0.0
         self._sockets: list[socket.socket] = []
         threading.Thread(target=self._accept, daemon=True).start()
 
-    def address(self, printed: str) -> str:
-        """The address that leads through here, of the one that the server printed."""
-        return printed.replace(f":{self._inner}/", f":{self.port}/")
+    @property
+    def used(self) -> bool:
+        """Whether anybody came through."""
+        return bool(self._sockets)
 
     def close(self) -> None:
         """Cut everything."""
+        # Without it the port is taken for as long as a thread waits there for visitors.
+        self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
         for each in self._sockets:
             with suppress(OSError):
@@ -54,12 +59,13 @@ class SlowLink:
                     threading.Thread(target=run, args=arguments, daemon=True).start()
 
     def _out(self, outer: socket.socket, inner: socket.socket) -> None:
-        # The server answers to its own port alone; both have five digits.
-        mine, its = f"127.0.0.1:{self.port}".encode(), f"127.0.0.1:{self._inner}".encode()
         with suppress(OSError):
             while chunk := outer.recv(1 << 16):
-                inner.sendall(chunk.replace(mine, its))
+                inner.sendall(self._said(chunk))
             inner.shutdown(socket.SHUT_WR)
+
+    def _said(self, chunk: bytes) -> bytes:
+        return chunk
 
     def _take_in(self, inner: socket.socket, waiting: "queue.SimpleQueue[bytes]") -> None:
         with suppress(OSError):
@@ -77,6 +83,19 @@ class SlowLink:
                 time.sleep(wait_s)
                 outer.sendall(chunk)
             outer.shutdown(socket.SHUT_WR)
+
+
+class SlowLink(Tunnel):
+    """A tunnel of another port, of which the server knows nothing."""
+
+    def address(self, printed: str) -> str:
+        """The address that leads through here, of the one that the server printed."""
+        return printed.replace(f":{self._inner}/", f":{self.port}/")
+
+    def _said(self, chunk: bytes) -> bytes:
+        # The server answers to its own port alone; both have five digits.
+        mine, its = f"127.0.0.1:{self.port}".encode(), f"127.0.0.1:{self._inner}".encode()
+        return chunk.replace(mine, its)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Locator, Page, sync_playwright
 
 from sheath_manip.exceptions import SetupError
 
@@ -64,6 +64,19 @@ def wait_until(
             raise TimeoutError(f"no {what} within {timeout_s:.0f} s")
         # Not time.sleep, because the page's events are handled in here.
         page.wait_for_timeout(50)
+
+
+def drawn_width(locator: Locator, page: Page) -> float:
+    """Width in pixels of what may be made anew, and so be away, at the moment of asking."""
+    widths: list[float] = []
+
+    def is_drawn() -> bool:
+        box = locator.bounding_box()
+        widths.extend([] if box is None else [box["width"]])
+        return bool(widths)
+
+    wait_until(is_drawn, "place to click on", page)
+    return widths[-1]
 
 
 def take_picture(page: Page, path: Path) -> None:

@@ -42,7 +42,7 @@ from sheath_manip.tasks.table import TASKS
 from sheath_manip.types import Episode, EpisodeInfo, Step
 from sheath_manip.types.samples import Samples
 from sheath_manip.types.work import Work
-from tools.chromium import chromium_page, open_dashboard, wait_until
+from tools.chromium import chromium_page, drawn_width, open_dashboard, wait_until
 from tools.fleet_person import Eyes
 from tools.reel import RATE_HZ, Reel
 from tools.replayed_page import replayed
@@ -205,11 +205,8 @@ def looked_back(reel: Reel, subject: Subject, folder: Path) -> None:
         reel.roll(10, "All of it is recorded: replay, with J K L and the arrows.")
         page.keyboard.press("k")
         strip = page.locator("[data-sheath-span]")
-        wait_until(lambda: strip.bounding_box() is not None, "timeline", page)
-        box = strip.bounding_box()
-        assert box is not None
         for share in (0.2, 0.4, 0.6, 0.8):
-            strip.click(position={"x": share * box["width"], "y": box["height"] / 2})
+            strip.click(position={"x": share * drawn_width(strip, page), "y": 10})
             reel.roll(2, "A click on the timeline seeks; colours say who acted.")
         page.keyboard.press("o")
         page.locator("#sheath-wall .tile img").first.wait_for()

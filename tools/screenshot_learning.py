@@ -93,7 +93,7 @@ def photograph(page: Page, out: Path) -> None:
                 notice.click()
             sheet = page.locator(".sheath-sheet")
             if sheet.count() and sheet.evaluate("(it) => it.clientHeight") < CLOSED_PX:
-                sheet.locator("[style*='cursor: pointer']").first.click()
+                sheet.get_by_role("button", name="Panel").click()
             page.get_by_role("tab", name="Learning").click()
             page.wait_for_timeout(SETTLED_MS)
             page.locator("[data-sheath-chart]").first.focus()

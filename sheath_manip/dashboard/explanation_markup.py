@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.dashboard.action_words import quantity, same, wish
 from sheath_manip.dashboard.explaining import Explanation, did
-from sheath_manip.dashboard.markup import TEXT
+from sheath_manip.dashboard.markup import TEXT, coloured
 from sheath_manip.dashboard.reference import stacked_views
 from sheath_manip.playback import palette
 from sheath_manip.types import Action, ActionSpec, Actor
@@ -74,9 +74,9 @@ def actions(explanation: Explanation, spec: ActionSpec) -> str:
     drawn = _choices if spec.choices is not None else _numbers
     count = 0 if labels is None else len(labels)
     among = f", grey the {count} expert steps in the states most like it" * bool(count)
-    other = palette.css(palette.ACTOR[moment.other])
-    expert = f', <b style="color:{other}">◆ {moment.other.value}</b>' * (labelled is not None)
-    legend = f'<b style="color:{POLICY}">● policy</b>{expert}{among}'
+    other = palette.ACTOR[moment.other]
+    expert = f", {coloured('◆', other)} {moment.other.value}" * (labelled is not None)
+    legend = f"{coloured('●', palette.ACTOR[Actor.POLICY])} policy{expert}{among}"
     return f'<div style="{TEXT}">{drawn(spec, labels, proposed, labelled, other)}{legend}</div>'
 
 
@@ -111,15 +111,15 @@ def _choices(
     labels: NDArray | None,
     proposed: Action | None,
     labelled: Action | None,
-    other: str,
+    other: palette.Rgb,
 ) -> str:
     assert spec.choices is not None
     rows = []
     for at, choice in enumerate(spec.choices):
         share = 0.0 if labels is None else float(same(spec, labels, choice).mean())
         wanted = [
-            (proposed, f'<b style="color:{POLICY}">●</b>'),
-            (labelled, f'<b style="color:{other}">◆</b>'),
+            (proposed, coloured("●", palette.ACTOR[Actor.POLICY])),
+            (labelled, coloured("◆", other)),
         ]
         marks = "".join(
             mark for each, mark in wanted if each is not None and same(spec, choice[None], each)[0]
@@ -137,7 +137,7 @@ def _numbers(
     labels: NDArray | None,
     proposed: Action | None,
     labelled: Action | None,
-    other: str,
+    other: palette.Rgb,
 ) -> str:
     def across(at: int, value: float) -> float:
         share = (value - spec.minimum[at]) / spec.span[at]
@@ -161,7 +161,7 @@ def _numbers(
         if labelled is not None:
             x = across(at, float(labelled[at]))
             points = f"{x - 5},{middle} {x},{middle - 5} {x + 5},{middle} {x},{middle + 5}"
-            pieces.append(f'<polygon points="{points}" fill="{other}"/>')
+            pieces.append(f'<polygon points="{points}" fill="{palette.css(other)}"/>')
         if proposed is not None:
             x = across(at, float(proposed[at]))
             pieces.append(f'<circle cx="{x:.1f}" cy="{middle}" r="4" fill="{POLICY}"/>')

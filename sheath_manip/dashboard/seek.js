@@ -44,8 +44,8 @@ function (settings) {
 
   const typing = (target) =>
     target instanceof Element && target.closest("input, textarea, [contenteditable='true']");
-  // A slider that has the focus goes by the arrows itself.
-  const slides = (target) => target instanceof Element && target.closest("[role='slider']");
+  // A slider or a tab that has the focus goes by the arrows itself.
+  const goes = (target) => target instanceof Element && target.closest("[role='slider'], [role='tab']");
   const keys = {
     " ": { key: "toggle" }, k: { key: "stop" }, j: { key: "backwards" }, l: { key: "forwards" },
     ArrowLeft: { nudge: -1 }, ArrowRight: { nudge: 1 }, ArrowUp: { key: "before" }, ArrowDown: { key: "after" },
@@ -58,7 +58,7 @@ function (settings) {
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     let message = keys[name];
     if (!message && name !== "m") return;
-    if (name.length > 1 && slides(event.target)) return;
+    if (name.length > 1 && goes(event.target)) return;
     // Neither viser's camera nor a button that has the focus gets it.
     event.preventDefault();
     event.stopImmediatePropagation();

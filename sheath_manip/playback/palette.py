@@ -60,6 +60,8 @@ OUTCOME: dict[Outcome, Rgb] = {
 LIMITED: Rgb = (204, 121, 167)
 SUPPORT: Rgb = (240, 228, 66)
 INK: Rgb = (34, 39, 46)
+WHITE: Rgb = (255, 255, 255)
+BLACK: Rgb = (0, 0, 0)
 GREY: Rgb = (110, 116, 124)
 PALE: Rgb = (217, 220, 225)
 PAPER: Rgb = (246, 247, 249)
@@ -118,9 +120,8 @@ def css(rgb: Rgb) -> str:
 
 
 def readable_on(rgb: Rgb) -> Rgb:
-    """Return white or ink for letters on `rgb`, whichever stands out more (WCAG 2.2)."""
-    white, ink = (_contrast(rgb, letters) for letters in ((255, 255, 255), INK))
-    return (255, 255, 255) if white >= ink else INK
+    """Return white or black for letters on `rgb`: one of them has 4.58 to 1 or more (WCAG 2.2)."""
+    return max(WHITE, BLACK, key=lambda letters: _contrast(rgb, letters))
 
 
 def _contrast(one: Rgb, other: Rgb) -> float:

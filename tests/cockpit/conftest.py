@@ -1,6 +1,9 @@
 import pytest
 
 from tests import toy
+from tests.browser import browser_page
+
+__all__ = ["browser_page"]
 
 
 @pytest.fixture

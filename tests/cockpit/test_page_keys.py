@@ -10,6 +10,8 @@ from playwright.sync_api import Page
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.access import AccessControl
+from tests.browser import SIZES, resize
+from tests.by_keyboard import press_on
 from tests.cockpit.operated_corridor import INFO
 from tests.toy import Corridor, teleop
 from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
@@ -189,9 +191,10 @@ def contrast(page: Page, selector: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-@pytest.mark.parametrize("size", [(1400, 900), (1024, 768), (390, 844)])
+@pytest.mark.parametrize("size", SIZES)
 def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, taken, size):
-    taken.set_viewport_size({"width": size[0], "height": size[1]})
+    resize(taken, size)
+    width, height = SIZES[size]
     stop = taken.get_by_role("button", name="Emergency stop")
     box, notice = stop.bounding_box(), taken.locator("#sheath-operator").bounding_box()
     assert box is not None
@@ -201,8 +204,8 @@ def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, 
     for each in (box, notice):
         assert each["x"] >= 0
         assert each["y"] >= 0
-        assert each["x"] + each["width"] <= size[0]
-        assert each["y"] + each["height"] <= size[1]
+        assert each["x"] + each["width"] <= width
+        assert each["y"] + each["height"] <= height
     assert not (
         notice["y"] + notice["height"] > box["y"]
         and notice["x"] < box["x"] + box["width"]
@@ -211,13 +214,9 @@ def test_the_stop_is_large_always_there_and_the_first_that_tab_reaches(cockpit, 
     assert contrast(taken, "#sheath-stop") > 4.5
     assert contrast(taken, "#sheath-operator") > 4.5
     # Nothing of viser's lies over it.
-    taken.evaluate("document.activeElement?.blur()")
-    if size[0] == 1400:
-        taken.keyboard.press("Tab")
-        assert taken.evaluate("document.activeElement.id") == "sheath-stop"
-        taken.keyboard.press("Enter")
-    else:
-        stop.click()
+    stop.click(trial=True)
+    assert taken.evaluate("document.body.firstElementChild.id") == "sheath-stop"
+    press_on(taken, stop)
     wait_until(lambda: cockpit.state.stopped, "stop", taken)
     wait_until(
         lambda: taken.locator("#sheath-operator").inner_text().startswith("EMERGENCY STOP"),

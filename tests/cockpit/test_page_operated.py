@@ -16,7 +16,7 @@ from sheath_manip.dashboard.widgets.tool_gizmo import SHARE_OF_VIEW
 from sheath_manip.types import Actor, Reason
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
 from tests.waiting import eventually
-from tools.chromium import CHROMIUM, FLAGS, chromium_page, open_dashboard, wait_until
+from tools.chromium import CHROMIUM, FLAGS, open_dashboard, wait_until
 from tools.station import Station
 
 ARROW_M = SHARE_OF_VIEW * 0.55  # of the size of what the task first shows around the tool
@@ -30,19 +30,13 @@ def running() -> Iterator[OperatedGrasp]:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Page]:
-    with chromium_page() as page:
-        yield page
-
-
-@pytest.fixture(scope="module")
-def opened(running, browser) -> Page:
-    open_dashboard(browser, running.page.address)
-    browser.wait_for_selector("canvas")
-    browser.get_by_role("alert").get_by_role("button").click()
-    browser.get_by_role("button", name="Take over (T)").wait_for()
-    browser.wait_for_function("window.sheathOperator?.state.operated")
-    return browser
+def opened(running, browser_page) -> Page:
+    open_dashboard(browser_page, running.page.address)
+    browser_page.wait_for_selector("canvas")
+    browser_page.get_by_role("alert").get_by_role("button").click()
+    browser_page.get_by_role("button", name="Take over (T)").wait_for()
+    browser_page.wait_for_function("window.sheathOperator?.state.operated")
+    return browser_page
 
 
 @pytest.fixture

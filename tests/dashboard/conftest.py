@@ -29,8 +29,9 @@ from sheath_manip.types import (
     Transition,
 )
 from sheath_manip.types.samples import Samples
-from tools.chromium import chromium_page
+from tests.browser import browser_page
 
+__all__ = ["browser_page"]
 TOKEN = "a-token-for-tests"
 EXTENT_M = 40.0
 ROAD_M = np.array([28.0, 18.0])
@@ -229,12 +230,6 @@ def token() -> str:
 def dashboard() -> Iterator[Dashboard]:
     with Dashboard(SPEC, port=0, token=TOKEN) as opened:
         yield opened
-
-
-@pytest.fixture(scope="module")
-def browser_page() -> Iterator[Page]:
-    with chromium_page() as page:
-        yield page
 
 
 def slider(page: Page, place: int) -> Locator:

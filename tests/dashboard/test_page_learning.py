@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Locator, Page
 
 from sheath_manip.dashboard import Dashboard
@@ -12,6 +11,7 @@ from sheath_manip.learning.config import LearningPlan
 from sheath_manip.learning.results import RoundResult
 from sheath_manip.types import EpisodeInfo, Purpose
 from sheath_manip.types.work import Headway, Work
+from tests.browser import await_no_serious_fault
 from tests.dashboard.conftest import SPEC, RingRoad
 from tests.experiments.round_results import TRAITS, results_of
 from tools.chromium import open_dashboard, wait_until
@@ -129,23 +129,4 @@ def test_nothing_hinders_eyes_and_screen_readers_at_the_curves(opened: Page, dar
     page.locator(f"html[data-mantine-color-scheme={'dark' if dark else 'light'}]").wait_for()
     charts(page).first.focus()
     says(page, "round 3")
-
-    def serious() -> list[str]:
-        found = Axe().run(page).response["violations"]
-        return [
-            f"{each['id']}: {each['nodes'][0]['html'][:120]}"
-            for each in found
-            if each["impact"] in ("serious", "critical")
-        ]
-
-    # A name is given as soon as the page is at rest, and colours change over a moment.
-    faults = [""]
-
-    def clean() -> bool:
-        faults[:] = serious()
-        return not faults
-
-    try:
-        wait_until(clean, "page without a fault", page)
-    except TimeoutError:
-        pytest.fail(str(faults))
+    await_no_serious_fault(page)

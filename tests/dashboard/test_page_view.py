@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Replay
 from sheath_manip.dashboard.catalog import EpisodeCatalog
@@ -18,7 +18,7 @@ from sheath_manip.playback.film import film_of
 from sheath_manip.playback.making import exported
 from sheath_manip.types import Outcome
 from tests.dashboard.conftest import SPEC, TOKEN, RingRoad, drive, slider
-from tools.chromium import TIMEOUT_S, open_dashboard, wait_until
+from tools.chromium import TIMEOUT_S, drawn_width, open_dashboard, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -131,19 +131,6 @@ def test_replay_scrubs_jumps_marks_and_exports(
     assert {url.partition(":")[0] for url in requests} <= {"file", "data"}
     # A name that looks like markup is text there, too.
     assert page.locator("b").count() == 0
-
-
-def drawn_width(locator: Locator, page: Page) -> float:
-    """Width in pixels of what may be made anew, and so be away, at the moment of asking."""
-    widths: list[float] = []
-
-    def is_drawn() -> bool:
-        box = locator.bounding_box()
-        widths.extend([] if box is None else [box["width"]])
-        return bool(widths)
-
-    wait_until(is_drawn, "place to click on", page)
-    return widths[-1]
 
 
 def test_clicks_and_keys_move_in_time(

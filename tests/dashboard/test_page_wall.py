@@ -5,18 +5,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
 
 from sheath_manip.dashboard import Replay
 from sheath_manip.dataset.store import EpisodeStore
+from tests.browser import SIZES, await_no_serious_fault, resize
 from tests.dashboard.wall_store import NOTE, STEPS, running_replay, wall_store
 from tools.bench_wall import FILTER_S, PAINT_S, filter_s, nothing_to_see, paint_s
-from tools.chromium import TIMEOUT_S, chromium_page, open_dashboard, wait_until
+from tools.chromium import TIMEOUT_S, chromium_page, drawn_width, open_dashboard, wait_until
 from tools.synthetic_store import SyntheticStore
 
 pytestmark = pytest.mark.browser
-SIZES = {"desk": (1400, 900), "tablet": (1024, 768), "phone": (390, 844)}
 
 
 @pytest.fixture(scope="module")
@@ -136,23 +135,18 @@ def test_filters_and_the_pointer(opened: Page, replay: Replay) -> None:
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_hinders_eyes_and_screen_readers(opened: Page, size: str, dark: bool) -> None:
     page = opened
-    width, height = SIZES[size]
     page.emulate_media(color_scheme="dark" if dark else "light")
-    page.set_viewport_size({"width": width, "height": height})
+    resize(page, size)
     page.keyboard.press("o")
     page.locator("#sheath-wall .tile img").first.wait_for()
     for overlay in ("#sheath-wall", "#sheath-clip"):
         if overlay == "#sheath-clip":
             page.keyboard.press("c")
         page.locator(f"{overlay}[open]").wait_for()
-        found = Axe().run(page).response["violations"]
-        serious = [each for each in found if each["impact"] in ("serious", "critical")]
-        assert not [(each["id"], each["nodes"][0]["html"][:120]) for each in serious]
+        await_no_serious_fault(page)
         # Nothing lies beyond the window's edge.
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-    tiles = page.locator("#sheath-wall .tile").first.bounding_box()
-    assert tiles is not None
-    assert tiles["width"] >= 150
+        assert page.evaluate("document.documentElement.scrollWidth") <= SIZES[size][0]
+    assert drawn_width(page.locator("#sheath-wall .tile").first, page) >= 150
     page.keyboard.press("Escape")
     page.keyboard.press("o")
 
@@ -160,7 +154,7 @@ def test_nothing_hinders_eyes_and_screen_readers(opened: Page, size: str, dark: 
 @pytest.mark.soak
 def test_ten_thousand_episodes_are_on_the_wall_at_once(opened: Page) -> None:
     page = opened
-    page.set_viewport_size({"width": 1400, "height": 900})
+    resize(page, "desk")
     with nothing_to_see(SyntheticStore(10_000)) as many:
         run = threading.Thread(target=many.run, args=(0,), daemon=True)
         run.start()

@@ -1,11 +1,17 @@
 """Four robots without processes: they say what a test has them say, and keep what they are told."""
 
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+
+from playwright.sync_api import Page
 
 from sheath_manip.cockpit import OperatorInput, Order
 from sheath_manip.cockpit.question import Question
 from sheath_manip.cockpit.state import State
+from sheath_manip.dashboard import Dashboard
 from sheath_manip.fleet.fleet_cockpit import FleetCockpit
 from sheath_manip.fleet.from_robot import Asked, Begun, Report
 from sheath_manip.fleet.outbox import Outbox
@@ -66,3 +72,35 @@ class Robots:
 
     def order(self, order: Order, station: str = "page", **options) -> bool:
         return self.cockpit.order(order, station, **options)
+
+
+@contextmanager
+def served_at(robots: Robots, states: dict[int, State]) -> Iterator[Dashboard]:
+    """Their page, while they say again and again what `states` has."""
+    over = threading.Event()
+
+    def report() -> None:
+        while not over.wait(0.1):
+            for number, state in states.items():
+                robots.says(number, state)
+
+    with Dashboard(
+        Corridor().spec,
+        port=0,
+        cockpit=robots.cockpit,
+        pictures=robots.cockpit.roster.pictures,
+    ) as page:
+        robots.cockpit.on_film = page.show
+        thread = threading.Thread(target=report, daemon=True)
+        thread.start()
+        yield page
+        over.set()
+        thread.join()
+
+
+def words(page: Page) -> list[str]:
+    return page.locator("#sheath-robots span").all_inner_texts()
+
+
+def notice(page: Page) -> str:
+    return page.locator("#sheath-operator").inner_text()

@@ -80,9 +80,9 @@ def test_times_are_round(first_s, last_s, wanted) -> None:
 
 
 def test_letters_stand_out_from_their_bar() -> None:
-    assert palette.readable_on(palette.ACTOR[Actor.HOLD]) == palette.INK
-    assert palette.readable_on(palette.ACTOR[Actor.POLICY]) == (255, 255, 255)
-    assert palette.readable_on((255, 255, 255)) == palette.INK
+    assert palette.readable_on(palette.ACTOR[Actor.HOLD]) == palette.BLACK
+    assert palette.readable_on(palette.ACTOR[Actor.POLICY]) == palette.WHITE
+    assert palette.readable_on((255, 255, 255)) == palette.BLACK
 
 
 def test_methods_and_actors_never_share_a_look() -> None:

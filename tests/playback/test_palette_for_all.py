@@ -116,4 +116,4 @@ def test_a_look_does_not_hang_on_the_order_of_the_methods():
 
 @pytest.mark.parametrize("rgb", [*palette.ACTOR.values(), *palette.OUTCOME.values()])
 def test_letters_can_be_read_on_what_is_said_in_large(rgb):
-    assert palette._contrast(rgb, palette.readable_on(rgb)) >= 3.9
+    assert palette._contrast(rgb, palette.readable_on(rgb)) >= 4.5

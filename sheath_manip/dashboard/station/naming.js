@@ -28,6 +28,17 @@ function nameElements() {
   document.getElementById("root")?.setAttribute("role", "main");
 }
 
+// viser's sheet opens by a touch alone. A button in its handle is there for the keyboard, too: its click is the handle's.
+function openerOf(sheet) {
+  const there = sheet.querySelector(".sheath-opener");
+  if (there) return there;
+  const opener = Object.assign(document.createElement("button"), { className: "sheath-opener sheath-small", textContent: "Panel" });
+  sheet.querySelector("[style*='cursor: pointer']").append(opener);
+  // It begins closed: one touch opens it.
+  opener.click();
+  return opener;
+}
+
 // The scene as it lies beside viser's panel, for what lies over it; on a phone its panel is a sheet.
 function layOut(seen, sizes) {
   const canvas = [...document.querySelectorAll("canvas")].find((each) => each.clientHeight > innerHeight / 3);
@@ -39,12 +50,12 @@ function layOut(seen, sizes) {
   }
   const sheet = [...document.querySelectorAll(".mantine-Paper-root")].find(
     (each) => each.style.position === "fixed" && each.style.bottom === "0px");
-  sheet?.classList.add("sheath-sheet");
-  // It begins closed: one touch opens it.
-  if (sheet && !seen.has(sheet)) {
+  if (sheet) {
+    sheet.classList.add("sheath-sheet");
+    if (!seen.has(sheet)) sizes.observe(sheet);
     seen.add(sheet);
-    sizes.observe(sheet);
-    sheet.querySelector("[style*='cursor: pointer']")?.click();
+    // Open, it has viser's own buttons beside that one.
+    openerOf(sheet).setAttribute("aria-expanded", String(Boolean(sheet.querySelector(".sheath-opener ~ button"))));
   }
   document.body.classList.toggle("sheath-sheet-open", Boolean(sheet && sheet.clientHeight > 90));
 }

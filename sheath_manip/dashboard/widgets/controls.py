@@ -8,6 +8,7 @@ import viser
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
+from sheath_manip.dashboard.markup import GREY_BUTTON
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -19,7 +20,7 @@ _EPISODE = {
     "Discard": Order.DISCARD,
 }
 """in words that its hotkeys (G F V Z) go with"""
-_RED, _GREY = (190, 30, 45), (92, 98, 106)
+_RED = (190, 30, 45)
 """on which white letters have a contrast of 6 to 1; on viser's own it is 3.3"""
 
 
@@ -36,13 +37,13 @@ class Controls:
         self._drawn = cockpit.state
         gui, operated = context.viser.gui, bool(cockpit.guide)
         self.stop = gui.add_button("STOP (Space)", color=_RED, visible=operated)
-        self.reset = gui.add_button("Reset the stop (R)", color=_GREY, visible=False)
+        self.reset = gui.add_button("Reset the stop (R)", color=GREY_BUTTON, visible=False)
         self.take = gui.add_button("Take over (T)", color="orange", visible=operated)
         self.keep = gui.add_button("Keep the episode (C)", color="orange", visible=False)
-        self.go_on = gui.add_button("Let the policy go on (H)", color=_GREY, visible=False)
-        self.pause = gui.add_button("Pause (P)", color=_GREY, icon=viser.Icon.PLAYER_PAUSE)
+        self.go_on = gui.add_button("Let the policy go on (H)", color=GREY_BUTTON, visible=False)
+        self.pause = gui.add_button("Pause (P)", color=GREY_BUTTON, icon=viser.Icon.PLAYER_PAUSE)
         self.step = gui.add_button(
-            "One step (.)", color=_GREY, icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
+            "One step (.)", color=GREY_BUTTON, icon=viser.Icon.PLAYER_TRACK_NEXT, visible=False
         )
         self.speed = gui.add_slider(
             "Speed", min=SLOWEST, max=FASTEST, step=0.1, initial_value=1.0, visible=cockpit.paced
@@ -83,7 +84,7 @@ class Controls:
         self.go_on.visible = state.abandoned
         self.pause.label = "Resume (P)" if state.paused else "Pause (P)"
         self.pause.icon = viser.Icon.PLAYER_PLAY if state.paused else viser.Icon.PLAYER_PAUSE
-        self.pause.color = "green" if state.paused else _GREY
+        self.pause.color = "green" if state.paused else GREY_BUTTON
         self.step.visible = state.paused
 
     def _bind(self, button: viser.GuiButtonHandle, meant: Callable[[State], Order]) -> None:

@@ -5,7 +5,7 @@ from html import escape
 from math import isnan
 
 from sheath_manip.burden import StepCounts
-from sheath_manip.dashboard.markup import TEXT
+from sheath_manip.dashboard.markup import TEXT, coloured
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.metrics import ENDED
@@ -76,8 +76,7 @@ def _counts(episode: StepCounts, series: StepCounts | None, outcomes: Mapping[Ou
     headings = "<td></td><td>this episode</td><td>all of its kind</td>" if series else ""
     ended = " &nbsp; ".join(
         f'<span style="white-space:nowrap">'
-        f'<span style="color:{palette.css(palette.OUTCOME[outcome])}">■</span> '
-        f"<b>{outcomes.get(outcome, 0)}</b> {word}</span>"
+        f"{coloured('■', palette.OUTCOME[outcome])} <b>{outcomes.get(outcome, 0)}</b> {word}</span>"
         for outcome, word in ENDED.items()
         if outcome is not Outcome.ERROR or outcomes.get(outcome)
     )

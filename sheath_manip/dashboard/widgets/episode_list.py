@@ -5,7 +5,7 @@ from html import escape
 import viser
 
 from sheath_manip.dashboard.catalog import EpisodeCatalog
-from sheath_manip.dashboard.markup import TEXT
+from sheath_manip.dashboard.markup import TEXT, coloured
 from sheath_manip.dashboard.player import Player
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -79,11 +79,11 @@ def _row(number: int, summary: EpisodeSummary, is_on: bool) -> str:
     info = summary.info
     who = escape(" ".join(filter(None, (info.method, info.purpose.value))))
     marked = summary.outcome is not summary.recorded_outcome or summary.bad_steps > 0
-    colour = palette.css(palette.OUTCOME[summary.outcome])
+    colour = palette.OUTCOME[summary.outcome]
     background = "background:#80808030;font-weight:600" if is_on else ""
     return (
         f'<tr data-sheath-episode="{number}" style="{background}">'
         f'<td>{number}</td><td style="{_LEFT}">{who}</td>'
         f"<td>{info.round}</td><td>{summary.length}</td><td>{summary.expert_share:.0%}</td>"
-        f'<td style="color:{colour}">{escape(summary.outcome.value)}{"*" * marked}</td></tr>'
+        f"<td>{coloured('■', colour)} {escape(summary.outcome.value)}{'*' * marked}</td></tr>"
     )

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sheath_manip.dashboard.chart import chart_of
-from sheath_manip.dashboard.markup import TEXT, caption, note
+from sheath_manip.dashboard.markup import TEXT, caption, coloured, note
 from sheath_manip.dashboard.rate_limiter import RateLimiter
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.support_picture import SupportPicture, Track, ground_of
@@ -83,7 +83,7 @@ class SupportMap:
 def _legend(trace: Trace) -> str:
     nus = ", ".join(map(str, NUS))
     trail = ", ".join(
-        f'<b style="color:{palette.css(palette.ACTOR[actor])}">{actor.value}</b>'
+        f"{coloured('━', palette.ACTOR[actor])} {actor.value}"
         for actor in (ACTORS[place] for place in np.unique(trace.actor))
     )
     return (

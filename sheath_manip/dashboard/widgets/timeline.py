@@ -5,7 +5,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from sheath_manip.dashboard.markup import TEXT, caption
+from sheath_manip.dashboard.markup import TEXT, caption, coloured
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
@@ -102,7 +102,6 @@ def _legend(trace: Trace) -> str:
     if trace.limited.any():
         entries.append(("command limited", palette.LIMITED))
     return " &nbsp; ".join(
-        f'<span style="white-space:nowrap"><span style="color:{palette.css(colour)}">■</span> '
-        f"{escape(name)}</span>"
+        f'<span style="white-space:nowrap">{coloured("■", colour)} {escape(name)}</span>'
         for name, colour in entries
     )

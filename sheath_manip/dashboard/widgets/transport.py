@@ -2,7 +2,7 @@
 
 import viser
 
-from sheath_manip.dashboard.markup import note
+from sheath_manip.dashboard.markup import GREY_BUTTON, note
 from sheath_manip.dashboard.player import FASTEST, SLOWEST, Player
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -20,7 +20,7 @@ class Transport:
         """whether a browser may have got an older step after the one that it asked for"""
         self._known = 1
         """what the slider was last put to here, or heard to be put to by a browser"""
-        self.play = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray")
+        self.play = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color=GREY_BUTTON)
         self.scrubber = gui.add_slider("Step", min=1, max=2, step=1, initial_value=1)
         self.steps = gui.add_button_group("Jump", tuple(STEPS))
         self.speed = gui.add_slider(
@@ -58,7 +58,7 @@ class Transport:
         now = self._player.now
         self.play.label = "Pause" if now.playing else "Play"
         self.play.icon = viser.Icon.PLAYER_PAUSE if now.playing else viser.Icon.PLAYER_PLAY
-        self.play.color = "gray" if now.playing else "green"
+        self.play.color = GREY_BUTTON if now.playing else "green"
         last, at = max(len(snapshot.trace), 2), max(snapshot.at + 1, 1)
         if self.scrubber.max != last:
             self.scrubber.max = last

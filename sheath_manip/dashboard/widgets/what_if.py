@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 import viser
 
-from sheath_manip.dashboard.markup import TEXT, caption, note
+from sheath_manip.dashboard.markup import GREY_BUTTON, TEXT, caption, coloured, note
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.gates.adjustable import Boundary, Dial, span_of
@@ -26,8 +26,8 @@ NO_SCORE = "A preview needs recorded scores: no gate has judged a step here yet.
 ESTIMATE = (
     "From recorded scores; after the first step that would have gone otherwise it is an estimate."
 )
-ASKED, CALM = palette.css(palette.ACTOR[Actor.EXPERT]), "#80808050"
-FAILED = palette.css(palette.OUTCOME[Outcome.FAILURE])
+ASKED, CALM = palette.ACTOR[Actor.EXPERT], "#80808050"
+FAILED = palette.OUTCOME[Outcome.FAILURE]
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class WhatIf:
             hint="0: no limit",
         )
         self.apply = gui.add_button("Apply", color="green", visible=dial is not None)
-        self.back = gui.add_button("Back to what is now", color="gray")
+        self.back = gui.add_button("Back to what is now", color=GREY_BUTTON)
         self._table = gui.add_html(note(NO_SCORE))
         wake: Callable[[], None] = context.wake
         self._controls = (self.threshold, self.turn, self.a_minute, self.back)
@@ -207,8 +207,8 @@ def _table(now: Preview, then: Preview, episodes: Sequence[ScoredEpisode]) -> st
     )
     tiles = "".join(
         f'<span title="{_title(at, each, first)}" style="display:inline-block;width:11px;'
-        f"height:11px;margin:1px;background:{CALM if first is None else ASKED};"
-        f'outline:2px solid {FAILED if each.failed else "transparent"}"></span>'
+        f"height:11px;margin:1px;background:{CALM if first is None else palette.css(ASKED)};"
+        f'outline:2px solid {palette.css(FAILED) if each.failed else "transparent"}"></span>'
         for at, (each, first) in enumerate(zip(episodes, then.first_request, strict=True), 1)
     )
     return (
@@ -216,8 +216,7 @@ def _table(now: Preview, then: Preview, episodes: Sequence[ScoredEpisode]) -> st
         '<tr style="font-weight:600"><td></td><td>now</td><td>what if</td></tr>'
         f"{''.join(rows)}</table>"
         f'<div style="line-height:1">{tiles}</div>'
-        f'<span style="color:{ASKED}">■</span> would be asked '
-        f'&nbsp;<span style="color:{FAILED}">□</span> failed</div>'
+        f"{coloured('■', ASKED)} would be asked &nbsp;{coloured('□', FAILED)} failed</div>"
     )
 
 
