@@ -115,7 +115,7 @@ class Pool:
         return model.body_mass[bodies, None] * velocities
 
     def _hide(self, slot: int) -> None:
-        """Let nothing of an earlier scene be left: a camera above the table's edge sees below it."""
+        """Let nothing of an earlier scene be left: a camera at the table's edge sees below it."""
         model = self._model
         for names, rows in ((_OF_BODIES, self.bodies[slot]), (_OF_GEOMS, self._geoms[slot])):
             for name in names:
