@@ -22,6 +22,8 @@ _PART = ("foot", "neck")
 _OF_BODIES = ("body_mass", "body_inertia", "body_ipos", "body_iquat")
 _OF_GEOMS = ("geom_pos", "geom_size", "geom_rgba", "geom_rbound", "geom_aabb")
 """the model's arrays that a scene shapes"""
+_UNSEEN = 1e-6
+"""of an opacity of 1: it changes no picture; with 0 a page would take the geom for one fewer"""
 
 
 def add_pool(root: mjcf.RootElement, *, movable: bool) -> None:
@@ -120,8 +122,7 @@ class Pool:
         for names, rows in ((_OF_BODIES, self.bodies[slot]), (_OF_GEOMS, self._geoms[slot])):
             for name in names:
                 getattr(model, name)[rows] = self._compiled[name][rows]
-        # What is wholly transparent is not drawn.
-        model.geom_rgba[self._geoms[slot], 3] = 0.0
+        model.geom_rgba[self._geoms[slot], 3] = _UNSEEN
 
     def _shape(self, slot: int, each: StandingObject) -> None:
         model, body = self._model, self.bodies[slot]
