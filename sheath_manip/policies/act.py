@@ -23,12 +23,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.act_network import ActNetwork
-from sheath_manip.policies.augmentation import (
-    drawn_shifts,
-    half_of_them,
-    noisy,
-    reflected,
-)
+from sheath_manip.policies.augmentation import drawn_shifts, half_of_them, noisy, reflected
 from sheath_manip.policies.descent import Descent
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.learned_arrays import numbers
