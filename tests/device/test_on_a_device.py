@@ -163,7 +163,6 @@ def test_what_is_fitted_there_loads_here(name, tmp_path):
     assert load_checkpoint(path, reach.SPEC).device == name
 
 
-@pytest.mark.skipif(torch.cuda.is_available(), reason="the same as above, on a real device")
 def test_the_stand_in_learns_the_same_weights_as_the_cpu():
     settings = {**reach.SETTINGS, "steps": 20}
     here = make_policy("spatial-cnn", reach.SPEC, **settings).fit(reach.training()).arrays()
