@@ -126,7 +126,11 @@ def corridor_action(pressed: frozenset[str]) -> Action:
 
 def teleop(environment: Corridor) -> ButtonHands:
     del environment
-    buttons = {"left": Button("KeyJ", "left", stick=-1), "right": Button("KeyL", "right", stick=1)}
+    buttons = {
+        "left": Button("KeyJ", "left", stick=-1),
+        "right": Button("KeyL", "right", stick=1),
+        "straight": Button("KeyK", "straight on"),
+    }
     return ButtonHands(buttons, corridor_action)
 
 

@@ -116,14 +116,10 @@ class FleetPerson(Closes):
                 self.turns_s.append(time.monotonic() - offered_s)
                 mine, offered_s = False, time.monotonic()
             elif mine:
-                self._drive(shown.get("turn") == "operator")
+                self._drive()
 
-    def _drive(self, has_hold: bool) -> None:
+    def _drive(self) -> None:
         film = self.film()
-        if film is None:
-            return
-        held = self.hands(self.eyes.action(film))
-        if not has_hold and not held.keys and held.axes is None:
-            # A turn begins by any key.
-            held = Held(keys=frozenset({"KeyJ"}))
-        self.station.hold(held.keys, held.axes, held.buttons)
+        if film is not None:
+            held = self.hands(self.eyes.action(film))
+            self.station.hold(held.keys, held.axes, held.buttons)

@@ -92,9 +92,9 @@ class ScriptedPerson:
 
 
 def at_the_wheel(action: Action) -> Held:
-    """The key that steers so."""
+    """The key that steers so; straight on has one too, by which a turn begins without a swerve."""
     if action[0] == 0:
-        return Held()
+        return Held(keys=frozenset({"KeyK"}))
     return Held(keys=frozenset({"KeyJ" if action[0] > 0 else "KeyL"}))
 
 

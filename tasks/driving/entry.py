@@ -25,11 +25,12 @@ def steering(pressed: frozenset[str]) -> Action:
 
 
 def teleop(environment: ComposerEnvironment) -> ButtonHands:
-    """Return how a person steers: two keys, a stick."""
+    """Return how a person steers: two keys, a stick; and a key to begin a turn straight on."""
     del environment
     buttons = {
         "left": Button("KeyJ", "left", stick=-1),
         "right": Button("KeyL", "right", stick=1),
+        "straight": Button("KeyK", "straight on"),
     }
     return ButtonHands(buttons, steering)
 

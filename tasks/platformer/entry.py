@@ -53,12 +53,13 @@ def buttons(pressed: frozenset[str]) -> Action:
 
 
 def teleop(environment: ComposerEnvironment) -> ButtonHands:
-    """Return how a person presses the buttons."""
+    """Return how a person presses the buttons; one begins a turn and presses none."""
     del environment
     return ButtonHands(
         {
             "left": Button("KeyJ", "left", stick=-1),
             "right": Button("KeyL", "right", stick=1),
+            "stand": Button("KeyK", "stand"),
             "jump": Button("KeyI", "jump", pad=0),
             "speed": Button("KeyU", "run", pad=2),
         },

@@ -71,7 +71,7 @@ def requests(count: int, driver: Drifting | None = None) -> list[EpisodeRequest]
 def sidestep(action: Action) -> Held:
     """The key that steps aside so."""
     if action[0] == 0:
-        return Held()
+        return Held(keys=frozenset({"KeyK"}))
     return Held(keys=frozenset({"KeyJ" if action[0] < 0 else "KeyL"}))
 
 
