@@ -5,9 +5,10 @@ from another by its gate, and by what little else its entry says (`sheath_manip.
 """
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
 from sheath_manip.counting import announced
 from sheath_manip.dataset.aggregated import AggregatedSamples
@@ -104,7 +105,7 @@ class LearningRun:
         demonstrated, held_out = self.episodes.demonstrations(), self.episodes.held_out()
         demonstrations = self._learned_from(list(demonstrated), 1)
         held_out = list(held_out)
-        new = held_out[schedule.calibration :]
+        check = [samples_from([each]) for each in held_out[schedule.calibration :]]
         held_out = self._learned_from(held_out[: schedule.calibration], LEAST_CALIBRATION)
         checkpoints = Checkpoints(
             self.spec,
@@ -119,7 +120,6 @@ class LearningRun:
         with self._working("fitting the first policy"):
             first = checkpoints.first(states, names)
         first = self._fitted(first, states)
-        check = [samples_from([episode]) for episode in new]
         return SharedStart(first, checkpoints, states, names, check)
 
     def prepare(self) -> SharedStart:
@@ -164,7 +164,7 @@ class LearningRun:
                     aggregated,
                     visited,
                     names,
-                    self._given.of(method, min(number + 1, self._rounds_of(method.name))),
+                    self.given(method, number + 1),
                 )
             self._fitted(refitted, aggregated)
             # They run while this round is measured.
@@ -177,6 +177,10 @@ class LearningRun:
             checkpoint = refitted
         self._finish(judged, results)
         return results
+
+    def given(self, method: Method, number: int) -> Mapping[str, Any]:
+        """Return the gate's settings of a round, or the last, that another method's rounds say."""
+        return self._given.of(method, min(number, self._rounds_of(method.name)))
 
     def _finish(self, judged: Judged, results: list[RoundResult]) -> None:
         with self._working(f"trying the policy of round {judged.number} alone"):

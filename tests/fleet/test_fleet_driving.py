@@ -27,7 +27,7 @@ ROBOTS, EPISODES = 4, 8
 SPEED = 0.5
 """times the task's pace, since the software that draws is slow"""
 UNSPARED = ("--requests.a-minute", 0, "--requests.an-episode", 0)
-"""so that the policy drives as much before one robot as before four: the limits count per robot, and
+"""so that the policy drives as much at one robot as at four: the limits count for each robot, and
 who has one alone would keep the wheel once he has been asked three times in a minute"""
 
 

@@ -1,5 +1,11 @@
-"""What the pieces of a task's rounds cost, measured in a small run on one core of this machine."""
+"""What the pieces of a task's rounds cost, measured in a small run on one core of this machine.
 
+A warm refit takes fewer gradient steps a state the more states there are (`warm_steps`), so that
+no line through a small run's fits tells what those of the plan cost. Each method is fitted once
+more, to as many states as the plan ends with: those of the trial over and over.
+"""
+
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,17 +14,24 @@ import numpy as np
 
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.experiments.scale.metering import EpisodeCost, MeteredExecutor
+from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.config import LearningPlan
-from sheath_manip.learning.results import round_results
+from sheath_manip.learning.methods import Method, method_named
+from sheath_manip.learning.results import round_path, round_results
 from sheath_manip.learning.run import LearningRun
 from sheath_manip.protocols import Report
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.task import Task
 from sheath_manip.types import Purpose
+from sheath_manip.types.samples import Samples, joined, visited_from
 
 ROUNDS = 2
 EPISODES = 3
-"""of a round of the trial: fits to at least three numbers of states"""
+"""of a round of the trial"""
+DEMONSTRATIONS = 20
+"""of the trial, at most: the first policy is fitted to as many as in the plan"""
+MOST_STATES = 10_000
+"""that a method is fitted to here; more are extrapolated"""
 
 
 @dataclass(frozen=True)
@@ -85,7 +98,7 @@ def trial_of(plan: LearningPlan) -> LearningPlan:
     schedule = plan.schedule
     return plan.changed(
         schedule={
-            "demonstrations": min(EPISODES, schedule.demonstrations),
+            "demonstrations": min(DEMONSTRATIONS, schedule.demonstrations),
             "rounds": min(ROUNDS, schedule.rounds),
             "episodes": min(EPISODES, schedule.episodes),
         },
@@ -99,6 +112,7 @@ def measure_costs(task: Task, plan: LearningPlan, directory: Path, report: Repor
     trial, seed = trial_of(plan), plan.comparison.seeds[0]
     store = EpisodeStore.create(directory / "store")
     marks: dict[str, Mapping[str, float]] = {}
+    far: dict[str, tuple[int, float]] = {}
     with single_threaded(), MeteredExecutor() as executor:
 
         def heard(word: str) -> None:
@@ -118,13 +132,53 @@ def measure_costs(task: Task, plan: LearningPlan, directory: Path, report: Repor
                 learning.prepare()
             executor.mark("done")
             marks[method] = {mark.word: mark.at_s for mark in executor.marks}
-        return _costs(trial, seed, directory, executor.episodes, marks)
+            if method:
+                far[method] = _last_fit(learning, method_named(method), plan)
+                report(f"{method} fit to {far[method][0]} states")
+        return _costs(trial, seed, directory, executor.episodes, marks, far)
+
+
+def _last_fit(learning: LearningRun, method: Method, plan: LearningPlan) -> tuple[int, float]:
+    """About how many states the last round of `plan` fits to, and CPU seconds of such a fit."""
+    results = round_results(learning.directory, learning.run_seed, method.name)
+    number, drove = len(results) - 1, learning.plan.schedule
+    each = (results[-1].states - results[0].states) / (number * drove.episodes)
+    more = plan.schedule.rounds * plan.schedule.episodes * each
+    states = min(MOST_STATES, max(results[-1].states, round(results[0].states + more)))
+    start = learning.start()
+    path = round_path(learning.directory, learning.run_seed, method.name, number, "npz")
+    previous = load_checkpoint(path, learning.spec)
+    episodes = learning.store.episodes(
+        Purpose.LEARNING, method.name, number, learning.run_seed, need_images=True
+    )
+    visited = visited_from(list(episodes))
+    if not visited.is_labelled.any():
+        # Then only a threshold would be found.
+        visited = start.demonstrations
+    many = over_and_over(joined([start.demonstrations, visited.labelled()]), states)
+    begin_s = time.process_time()
+    given = learning.given(method, number + 1)
+    start.checkpoints.refitted(method, number + 1, previous, many, visited, start.names, given)
+    return states, time.process_time() - begin_s
+
+
+def over_and_over(samples: Samples, count: int) -> Samples:
+    """Return `count` states, those of `samples` in turn.
+
+    Each time around their images are moved by one more pixel: a support that is fitted to states
+    which come twice is another problem.
+    """
+    rows = np.arange(count) % len(samples)
+    taken = samples.take(rows)
+    moved_px = np.arange(count) // len(samples)
+    for images in taken.images.values():
+        for row in np.flatnonzero(moved_px):
+            images[row] = np.roll(images[row], moved_px[row], axis=1)
+    return taken
 
 
 def _in_order(plan: LearningPlan) -> list[str]:
     """Methods, those first that others follow."""
-    from sheath_manip.learning.methods import method_named
-
     names = plan.comparison.methods
     return sorted(names, key=lambda name: method_named(name).burden_from is not None)
 
@@ -135,6 +189,7 @@ def _costs(
     directory: Path,
     episodes: Sequence[EpisodeCost],
     marks: Mapping[str, Mapping[str, float]],
+    far: Mapping[str, tuple[int, float]],
 ) -> Costs:
     schedule = trial.schedule
     alone = [each.cpu_s for each in episodes if each.info.purpose is Purpose.EVALUATION]
@@ -155,10 +210,12 @@ def _costs(
             fits.append(fitted - begun)
             measured.append(at.get(f"{name} round {number + 1}", at["done"]) - fitted)
         added = results[-1].states - first_states
+        states, seconds = far[name]
+        fitted_to = [*(result.states for result in results[1:]), states]
         methods[name] = MethodCosts(
             episode_s=float(np.mean(driven)),
             begin_s=at[f"{name} round 1"] - at["begun"],
-            fit=Line.through([result.states for result in results[1:]], fits),
+            fit=Line.through(fitted_to, [*fits, seconds]),
             measure_s=float(np.mean(measured)),
             states_each=added / ((len(results) - 1) * schedule.episodes),
         )
