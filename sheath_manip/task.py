@@ -1,5 +1,6 @@
 """What a robot needs of a task: how to make it, its expert, fallbacks and teleop."""
 
+import pickle
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -71,3 +72,24 @@ class Task:
             known = (*self.variants, *self.run_variants)
             raise UnknownNameError(f"variant of {self.name}", variant, known)
         return self.make(variant)
+
+    def makes_as(self, other: "Task", variant: str) -> bool:
+        """Return whether `other` makes environments of that variant in the same way.
+
+        Each request that comes from another process brings a task of its own, in which nothing is
+        the same object, and partials are never equal: such copies are alike where they would be
+        sent alike. Where it cannot be told, the answer is no.
+        """
+        mine, theirs = self._maker(variant), other._maker(variant)
+        return self.name == other.name and (mine is theirs or _sent(mine) == _sent(theirs))
+
+    def _maker(self, variant: str) -> Callable[..., Environment] | None:
+        return self.run_variants.get(variant) or self.variants.get(variant)
+
+
+def _sent(maker: object) -> object:
+    """The maker as it would be sent to another process; itself where it cannot be."""
+    try:
+        return pickle.dumps(maker)
+    except Exception:
+        return maker

@@ -14,6 +14,10 @@ from sheath_manip.types import Episode
 logger = logging.getLogger(__name__)
 
 
+Place = tuple[Task, str, int]
+"""of an environment: its task, its variant, and the seed of the training run where that matters"""
+
+
 class Workplace(Closes):
     """Makes environment and crew of a request, or has them still; to be closed.
 
@@ -21,7 +25,7 @@ class Workplace(Closes):
     """
 
     def __init__(self) -> None:
-        self._place: tuple[Task, str, int] | None = None
+        self._place: Place | None = None
         self._environment: Environment | None = None
         self._driver: Driver | None = None
         self._crew: Crew | None = None
@@ -43,7 +47,7 @@ class Workplace(Closes):
         """Return the environment that stands here, another one only where another is wanted."""
         # Only a variant of the run's own is another one in another run.
         place = task, variant, run_seed if variant in task.run_variants else 0
-        if self._environment is None or self._place != place:
+        if self._environment is None or not _same(self._place, place):
             self.close()
             self._environment = built(ENVIRONMENT, task.make_for_run, variant, run_seed)
             self._place = place
@@ -60,3 +64,8 @@ class Workplace(Closes):
         except BrokenError as error:
             # What was run is on the disk, and the program may go on.
             logger.warning("%s while it was closed", error)
+
+
+def _same(one: Place | None, other: Place) -> bool:
+    # Each request that comes from another process brings a task of its own.
+    return one is not None and one[1:] == other[1:] and other[0].makes_as(one[0], other[1])
