@@ -2,11 +2,19 @@
 
 import io
 
+import numpy as np
 import pytest
 from rich.console import Console
 
 from sheath_manip.exceptions import ParameterError
-from sheath_manip.experiments.scale.costs import Costs, Line, MethodCosts, trial_of
+from sheath_manip.experiments.scale.costs import (
+    Costs,
+    Line,
+    MethodCosts,
+    measure_costs,
+    over_and_over,
+    trial_of,
+)
 from sheath_manip.experiments.scale.estimate import (
     estimated_costs,
     moved,
@@ -17,6 +25,7 @@ from sheath_manip.experiments.scale.estimate import (
 from sheath_manip.experiments.scale.schedule import Machines, longest_chain_s, wall_s
 from sheath_manip.experiments.scale.work import Work, work_of
 from sheath_manip.learning.config import LearningPlan
+from sheath_manip.types.samples import Samples
 from tests.toy import PLAN, STUDY
 
 METHOD = MethodCosts(2.0, 1.0, Line(1.0, 0.001), 1.0, 100.0)
@@ -86,6 +95,35 @@ def test_a_line_is_never_below_nothing() -> None:
     assert Line.through([1.0, 2.0, 3.0], [3.0, 5.0, 7.0]).at(10.0) == pytest.approx(21.0)
     assert Line.through([1.0, 2.0], [5.0, 3.0]) == Line(4.0, 0.0)
     assert Line.through([1.0, 2.0], [1.0, 4.0]).fixed_s == 0.0
+
+
+def test_states_over_and_over_are_no_copies() -> None:
+    images = np.arange(2 * 3 * 4 * 3, dtype=np.uint8).reshape(2, 3, 4, 3)
+    features = np.array([[0], [1]], np.float32)
+    episodes = np.zeros(2, np.int64)
+    samples = Samples({"front": images}, features, features + 2, episodes)
+    many = over_and_over(samples, 5)
+    assert many.features.ravel().tolist() == [0, 1, 0, 1, 0]
+    assert many.labels.ravel().tolist() == [2, 3, 2, 3, 2]
+    shown = many.images["front"]
+    np.testing.assert_array_equal(shown[:2], images)
+    np.testing.assert_array_equal(shown[2], np.roll(images[0], 1, axis=1))
+    np.testing.assert_array_equal(shown[4], np.roll(images[0], 2, axis=1))
+
+
+def test_a_refit_is_measured_at_the_end_of_the_plan(tmp_path) -> None:
+    plan = PLAN.changed(
+        policy={"name": "hog-svm"},
+        gate={"signal": "support", "embedding": "pixels"},
+        comparison={"methods": ("sheath",)},
+    )
+    heard: list[str] = []
+    measure_costs(STUDY.task, plan, tmp_path, heard.append)
+    schedule = plan.schedule
+    rounds = schedule.rounds * schedule.episodes
+    most = 12 * (schedule.demonstrations + rounds) + 1
+    (fitted,) = (word for word in heard if word.startswith("sheath fit to"))
+    assert 12 * schedule.demonstrations <= int(fitted.split()[3]) <= most
 
 
 def test_a_trial_measures_all_that_the_plan_does(tmp_path) -> None:
