@@ -73,23 +73,19 @@ class Task:
             raise UnknownNameError(f"variant of {self.name}", variant, known)
         return self.make(variant)
 
-    def makes_as(self, other: "Task", variant: str) -> bool:
-        """Return whether `other` makes environments of that variant in the same way.
+    def same_as(self, other: "Task") -> bool:
+        """Return whether `other` is this task, or a copy of it that was sent here.
 
         Each request that comes from another process brings a task of its own, in which nothing is
-        the same object, and partials are never equal: such copies are alike where they would be
+        the same object, and partials are never equal: such copies are the same where they would be
         sent alike. Where it cannot be told, the answer is no.
         """
-        mine, theirs = self._maker(variant), other._maker(variant)
-        return self.name == other.name and (mine is theirs or _sent(mine) == _sent(theirs))
-
-    def _maker(self, variant: str) -> Callable[..., Environment] | None:
-        return self.run_variants.get(variant) or self.variants.get(variant)
+        return self is other or _sent(self) == _sent(other)
 
 
-def _sent(maker: object) -> object:
-    """The maker as it would be sent to another process; itself where it cannot be."""
+def _sent(task: Task) -> object:
+    """The task as it would be sent to another process; itself where it cannot be."""
     try:
-        return pickle.dumps(maker)
+        return pickle.dumps(task)
     except Exception:
-        return maker
+        return task

@@ -68,4 +68,4 @@ class Workplace(Closes):
 
 def _same(one: Place | None, other: Place) -> bool:
     # Each request that comes from another process brings a task of its own.
-    return one is not None and one[1:] == other[1:] and other[0].makes_as(one[0], other[1])
+    return one is not None and one[1:] == other[1:] and other[0].same_as(one[0])

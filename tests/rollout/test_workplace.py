@@ -11,8 +11,8 @@ from sheath_manip.rollout.request import EpisodeRequest
 from sheath_manip.rollout.workplace import Workplace
 from sheath_manip.task import Task
 from sheath_manip.tasks.table import TASKS
-from sheath_manip.types import EpisodeInfo, Purpose
-from tests.toy import CORRIDOR, Corridor
+from sheath_manip.types import Action, EpisodeInfo, Observation, Purpose
+from tests.toy import CHOICES, CORRIDOR, Corridor
 
 made: list[int] = []
 
@@ -44,14 +44,35 @@ def test_requests_from_another_process_share_an_environment():
     assert made == [8, 12, 10]
 
 
+class Aside:
+    """An expert that always steps to the same side."""
+
+    def __init__(self, choice: int, environment: Corridor) -> None:
+        del environment
+        self.choice = choice
+
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: Observation) -> Action:
+        del observation
+        return CHOICES[self.choice]
+
+
+def test_who_acts_is_another_where_the_task_has_another_expert():
+    tasks = [replace(corridor(default=8), expert=partial(Aside, choice)) for choice in (0, 2)]
+    with Workplace() as workplace:
+        first, second = (workplace.run(sent(task, 0)).steps[0] for task in tasks)
+    assert (first.executed == CHOICES[0]).all()
+    assert (second.executed == CHOICES[2]).all()
+
+
 @pytest.mark.parametrize("name", TASKS)
-def test_copies_of_a_task_make_the_same(name: str):
+def test_copies_of_a_task_are_the_same(name: str):
     task = TASKS[name]
-    sent = pickle.dumps(task)
-    one, other = pickle.loads(sent), pickle.loads(sent)
+    bytes = pickle.dumps(task)
+    one, other = pickle.loads(bytes), pickle.loads(bytes)
+    assert one.same_as(other)
     # By way of another process that has the workers.
-    farther = pickle.loads(pickle.dumps(other))
-    variants = [*task.variants, *task.run_variants]
-    assert all(one.makes_as(other, variant) for variant in variants)
-    assert all(one.makes_as(farther, variant) for variant in variants)
-    assert not one.makes_as(replace(other, name="another"), variants[0])
+    assert one.same_as(pickle.loads(pickle.dumps(other)))
+    assert not one.same_as(replace(other, name="another"))
