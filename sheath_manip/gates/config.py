@@ -21,6 +21,7 @@ USED = (
     "release_margin",
     "quiet_steps",
     "minimum_hold_steps",
+    "dose_every_steps",
     "requests",
     "labels",
     "labelling",
@@ -58,6 +59,9 @@ class GateConfig:
     """steps in a row above the score of release before the expert hands back"""
     minimum_hold_steps: int = 0
     """least number of steps for which the expert acts once it has taken over"""
+    dose_every_steps: int = 0
+    """steps from one of the expert's to its next while the gate alarms, the policy acting in between,
+    which is for programs as experts; 0: the expert acts in all"""
     stuck_steps: int = 0
     """steps in which the robot does not get on, since it stands still or comes back to where it
     was, by the expert's own least; then the expert takes over; 0: nobody notices"""
@@ -79,12 +83,25 @@ class GateConfig:
             raise ParameterError(
                 "stuck_steps is 1; wanted 0 or at least 2, the while in two halves"
             )
+        if self.dose_every_steps:
+            self._require_doses()
         require_label_rules(self.labels)
 
     def fitted_like(self, other: Self) -> bool:
         """Tell whether what one was fitted to serves the other: they differ in use alone."""
         used = {name: getattr(other, name) for name in USED}
         return dataclasses.replace(self, **used) == other
+
+    def _require_doses(self) -> None:
+        if self.dose_every_steps < 2:
+            raise ParameterError(
+                f"dose_every_steps is {self.dose_every_steps}; wanted 0 or at least 2, like 10"
+            )
+        if self.requests.limits or self.minimum_hold_steps or self.quiet_steps:
+            raise ParameterError(
+                "dose_every_steps goes with no limits on requests, no minimum_hold_steps and no "
+                "quiet_steps, since a dose is one step; wanted one or the other"
+            )
 
     @property
     def hindsight_s(self) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sheath_manip.gates.blocks import RandomBlocks
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.gates.constant import AlwaysExpert
+from sheath_manip.gates.doses import DosedGate
 from sheath_manip.gates.fitted import FittedGate
 from sheath_manip.gates.human import HumanGate, Nobody, Person
 from sheath_manip.gates.labels import label_rules
@@ -51,6 +52,8 @@ def _support(fitted: FittedGate, person: Person) -> Gate:
         quiet_steps=config.quiet_steps,
         minimum_hold_steps=config.minimum_hold_steps,
     )
+    if config.dose_every_steps:
+        gate = DosedGate(gate, config.dose_every_steps)
     if fitted.progress is not None:
         gate = ProgressGate(gate, fitted.progress)
     if config.requests.limits:

@@ -113,7 +113,7 @@ def read_choices(path: Path) -> dict[str, GateChoice]:
 
 def _tuned(policies: Sequence[Watched], kind: Kind) -> dict[float, list[Trial]]:
     """All policies' trials on tuning scenes that fail alone, by level."""
-    by_level: dict[float, list[Trial]] = {level: [] for level in policies[0].plan.levels}
+    by_level: dict[float, list[Trial]] = {level: [] for level in policies[0].plan.levels_of(kind)}
     for at in policies:
         trials = read_trials(at.trials_path(TUNING, kind.name))
         for level, found in by_level.items():

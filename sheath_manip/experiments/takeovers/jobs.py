@@ -74,7 +74,7 @@ class Tune:
     def run(self, executor: Executor, report: Report, listeners: Sequence[Listener] = ()) -> None:
         """Do it, unless it is done."""
         del executor, listeners
-        levels = self.at.plan.levels
+        levels = self.at.plan.levels_of(self.kind)
         path = self.at.trials_path(TUNING, self.kind.name)
         if not path.exists():
             tried = try_gates(

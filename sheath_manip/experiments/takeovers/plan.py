@@ -56,11 +56,15 @@ class Kind:
     """shortest turn of the expert; 0: a step"""
     notices_stuck: bool = False
     """whether it takes over as well where nothing goes on, by the rule of the task's own gate"""
+    dose_every_s: float = 0.0
+    """time from one step of the expert to the next while it alarms; 0: it acts in all"""
 
     @property
     def name(self) -> str:
         """In files."""
-        return f"{self.signal}-{self.turn_s:g}s{'-stuck' if self.notices_stuck else ''}"
+        doses = f"-doses-{self.dose_every_s:g}s" if self.dose_every_s else ""
+        stuck = "-stuck" if self.notices_stuck else ""
+        return f"{self.signal}-{self.turn_s:g}s{doses}{stuck}"
 
 
 KINDS = tuple(
@@ -69,6 +73,12 @@ KINDS = tuple(
     # A share goes farthest in single steps, and a call in turns of two seconds.
     for turn_s, notices_stuck in ((0.0, False), (2.0, False), (2.0, True))
 )
+DOSES = tuple(
+    Kind(signal, 0.0, dose_every_s=every_s)
+    for signal in ("default", "precedent")
+    for every_s in (0.25, 0.5)
+)
+"""of single steps: nearest to what looks at nothing, which alarms in all states"""
 
 
 @dataclass(frozen=True)
@@ -81,7 +91,7 @@ class GateChoice(Kind):
     @classmethod
     def of(cls, kind: Kind, level: float) -> Self:
         """Return the gate of a kind with a threshold."""
-        return cls(kind.signal, kind.turn_s, kind.notices_stuck, level)
+        return cls(kind.signal, kind.turn_s, kind.notices_stuck, kind.dose_every_s, level)
 
 
 @dataclass(frozen=True)
@@ -102,10 +112,12 @@ class TakeoversPlan:
     """length of a scene; None: it is the whole episode"""
     tuning_share: float = 0.4
     """of those numbers, for the tuning lot"""
-    kinds: tuple[Kind, ...] = KINDS
+    kinds: tuple[Kind, ...] = (*KINDS, *DOSES)
     """gates that are tried"""
     levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.005, 0.01, 0.02, 0.04, 0.08)
     """thresholds that are tried, see `level_threshold`"""
+    dose_levels: tuple[float, ...] = (-0.5, 0.0, 0.02, 0.08, 0.2, 0.4, 0.6, 0.8, 0.95)
+    """and those of gates with doses, which may alarm in most states"""
     takeovers: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
     """an episode that fails alone, at which gates and baselines are compared"""
     shares: tuple[float, ...] = (0.03, 0.05, 0.08, 0.13)
@@ -121,10 +133,12 @@ class TakeoversPlan:
         for name in ("seeds", "rounds", "kinds", "takeovers", "shares"):
             if not getattr(self, name):
                 raise ParameterError(f"{name} is empty; wanted at least one")
-        if len(self.levels) < 2 or list(self.levels) != sorted(set(self.levels)):
-            raise ParameterError(f"levels are {self.levels}; wanted two or more, rising")
-        if self.levels[-1] >= 1:
-            raise ParameterError(f"levels are {self.levels}; wanted each below 1")
+        for name in ("levels", "dose_levels"):
+            levels = getattr(self, name)
+            if len(levels) < 2 or list(levels) != sorted(set(levels)) or levels[-1] >= 1:
+                raise ParameterError(
+                    f"{name} are {levels}; wanted two or more, rising, each below 1"
+                )
 
     def for_task(self, name: str) -> Self:
         """Return the plan as it is for one task."""
@@ -134,6 +148,10 @@ class TakeoversPlan:
     def signals(self) -> tuple[str, ...]:
         """The signals that the kinds judge by."""
         return tuple(dict.fromkeys(kind.signal for kind in self.kinds))
+
+    def levels_of(self, kind: Kind) -> tuple[float, ...]:
+        """Return the thresholds at which gates of a kind are tried."""
+        return self.dose_levels if kind.dose_every_s else self.levels
 
     def quota(self, lot: str) -> Quota:
         """Return how many scenes of a lot there are."""

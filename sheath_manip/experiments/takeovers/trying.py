@@ -114,8 +114,13 @@ def _under_gate(
     scores: NDArray[np.float64],
 ) -> Trial:
     fitted = here.checkpoint.fitted
-    hold = max(1, round(choice.turn_s * here.environment.spec.control_rate_hz))
-    config = replace(fitted.config, minimum_hold_steps=hold, labels="own")
+    rate_hz = here.environment.spec.control_rate_hz
+    config = replace(
+        fitted.config,
+        minimum_hold_steps=round(choice.turn_s * rate_hz),
+        dose_every_steps=round(choice.dose_every_s * rate_hz),
+        labels="own",
+    )
     progress = fitted.progress if choice.notices_stuck else None
     fitted = replace(fitted, config=config, threshold=threshold, progress=progress)
     checkpoint = replace(here.checkpoint, fitted=fitted)
