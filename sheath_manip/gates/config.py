@@ -60,8 +60,8 @@ class GateConfig:
     minimum_hold_steps: int = 0
     """least number of steps for which the expert acts once it has taken over"""
     dose_every_steps: int = 0
-    """steps from one of the expert's to its next while the gate alarms, the policy acting in between,
-    which is for programs as experts; 0: the expert acts in all"""
+    """steps from one of the expert's to its next while the gate alarms, the policy acting between
+    them, which is for programs as experts; 0: the expert acts in all"""
     stuck_steps: int = 0
     """steps in which the robot does not get on, since it stands still or comes back to where it
     was, by the expert's own least; then the expert takes over; 0: nobody notices"""
