@@ -73,11 +73,9 @@ KINDS = tuple(
     # A share goes farthest in single steps, and a call in turns of two seconds.
     for turn_s, notices_stuck in ((0.0, False), (2.0, False), (2.0, True))
 )
-DOSES = tuple(
-    Kind(signal, 0.0, dose_every_s=every_s)
-    for signal in ("default", "precedent")
-    for every_s in (0.25, 0.5)
-)
+MOVING = tuple(kind for kind in KINDS if not kind.notices_stuck)
+"""for tasks in which nothing stands still"""
+DOSES = tuple(Kind(signal, 0.0, dose_every_s=0.5) for signal in ("default", "precedent"))
 """of single steps: nearest to what looks at nothing, which alarms in all states"""
 
 
@@ -116,7 +114,7 @@ class TakeoversPlan:
     """gates that are tried"""
     levels: tuple[float, ...] = (-2.0, -1.0, -0.5, -0.2, 0.0, 0.005, 0.01, 0.02, 0.04, 0.08)
     """thresholds that are tried, see `level_threshold`"""
-    dose_levels: tuple[float, ...] = (-0.5, 0.0, 0.02, 0.08, 0.2, 0.4, 0.6, 0.8, 0.95)
+    dose_levels: tuple[float, ...] = (0.0, 0.02, 0.08, 0.2, 0.4, 0.7, 0.95)
     """and those of gates with doses, which may alarm in most states"""
     takeovers: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
     """an episode that fails alone, at which gates and baselines are compared"""
@@ -188,12 +186,16 @@ PLANS = {
     "full": TakeoversPlan(
         by_task={
             # Its policies fail seldom.
-            "driving": {"scenes": Quota(failing=14, most=240)},
+            "driving": {
+                "scenes": Quota(failing=14, most=240),
+                # And never stand still.
+                "kinds": (*MOVING, *DOSES),
+            },
             # A step of its simulated sheet takes as long as a hundred of driving's.
             "gauze-cutting": {
                 "rounds": (0, 1),
                 "scenes": Quota(failing=8, succeeding=1, most=60),
-                "kinds": tuple(kind for kind in KINDS if not kind.notices_stuck),
+                "kinds": MOVING,
                 "levels": (-1.0, -0.2, 0.0, 0.02, 0.08),
                 "takeovers": (1.0,),
                 "shares": (0.05, 0.08),
