@@ -24,18 +24,18 @@ from numpy.typing import NDArray
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.act_network import ActNetwork
 from sheath_manip.policies.augmentation import drawn_shifts, half_of_them, noisy, reflected
-from sheath_manip.policies.descent import Descent
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.nested_arrays import flatten, subtree
 from sheath_manip.policies.network_arrays import (
     device_of,
     network_with,
-    placed,
     tensor_of,
     weights_of,
 )
+from sheath_manip.policies.network_policy import FeaturePolicy, Loss
 from sheath_manip.policies.pictures import Pictures, pictures_of
+from sheath_manip.policies.precision import training_precision
 from sheath_manip.policies.requirements import require_camera, require_continuous
 from sheath_manip.policies.scaling import Standardisation
 from sheath_manip.policies.unit_actions import from_unit, to_unit
@@ -45,18 +45,16 @@ from sheath_manip.types.history import Chunks, chunk_targets
 from sheath_manip.types.samples import Samples
 
 
-class ActPolicy:
+class ActPolicy(FeaturePolicy[ActNetwork]):
     """Regresses the next `chunk` actions, and acts on the first `executed_steps` of them.
 
     At every step the convolutions look at the present images, so that a gate judges what is seen
     now, by latents as fresh as any; the transformer decodes once a plan, in the first step and
     after `executed_steps` or `replan()`. In training an action behind a gap, such as a change of
     who acts, counts nothing.
-
-    The first fit is cold and learns how to standardise the features; each later one continues from
-    the present weights with a fresh optimiser. With one number of threads the same seed and the
-    same samples in the same order give the same weights to the bit.
     """
+
+    warms_up = True
 
     def __init__(
         self,
@@ -122,9 +120,7 @@ class ActPolicy:
             raise ParameterError(
                 f"executed_steps is {executed_steps}; wanted 1 to the {chunk} actions of a chunk"
             )
-        self.network_: ActNetwork | None = None
-        self.scaling_ = Standardisation()
-        self.fits_ = 0
+        super().__init__(Standardisation())
         self.replan()
 
     def cameras_seen(self) -> tuple[str, ...]:
@@ -133,35 +129,19 @@ class ActPolicy:
 
     def fit(self, samples: Samples) -> Self:
         """Fit to (n, a) labels and those that follow them; ParameterError for none."""
-        if len(samples) == 0:
-            raise ParameterError(
-                "no samples to fit a policy to; at least one labelled state is needed"
-            )
-        steps, rate = self.warm_steps, self.warm_learning_rate
-        if self.network_ is None:
-            steps, rate = self.steps, self.learning_rate
-            self.network_ = placed(self._fresh_network())
-            self.scaling_.fit(samples.features)
-        network, targets = self.network_, chunk_targets(samples, self.chunk)
-        pictures = {
-            name: pictures_of(samples.images[name], device_of(network)) for name in network.cameras
-        }
-        felt = replace(samples, images={})
-        # Each refit draws its own order of batches.
-        rng = np.random.default_rng([self.seed, self.fits_])
-        descent = Descent(steps, rate, self.batch_size, self.weight_decay, warm_up=True)
-        descent.run(
-            network,
-            len(samples),
-            rng,
-            lambda batch: self._loss(network, pictures, felt, targets, batch, rng),
-        )
-        self.fits_ += 1
+        super().fit(samples)
         self.replan()
         return self
 
-    def _fresh_network(self, weights: bool = True) -> ActNetwork:
-        """Of the seed's first weights; without, it takes no memory and only has shapes."""
+    def loss_on(self, network: ActNetwork, samples: Samples, rng: np.random.Generator) -> Loss:
+        """Return the paper's: absolute, which is not drawn to the middle of two ways."""
+        targets, device = chunk_targets(samples, self.chunk), device_of(network)
+        pictures = {name: pictures_of(samples.images[name], device) for name in network.cameras}
+        felt = replace(samples, images={})
+        return lambda batch: self._loss(network, pictures, felt, targets, batch, rng)
+
+    def fresh_network(self, weights: bool = True) -> ActNetwork:
+        """Return one of the seed's first weights; without, it takes no memory and has shapes."""
         return ActNetwork(
             self.spec.cameras,
             len(self.spec.feature_names),
@@ -190,16 +170,14 @@ class ActPolicy:
             for name, each in pictures.items()
         }
         felt = noisy(self.scaling_.transform(states.features), self.feature_noise, rng)
-        # Mixed precision trains 1.3 times as fast on a CPU with AVX-512 BF16.
-        with torch.autocast(device_of(network).type, torch.bfloat16):
-            looked = network.activations(images, torch.bfloat16)
-        # The transformer's gradients take twice as long in it.
+        with training_precision(device_of(network)) as dtype:
+            looked = network.activations(images, dtype)
+        # The transformer's gradients take twice as long in half of it.
         layers = {name: layer.float() for name, layer in looked.items()}
         outputs = network(layers, tensor_of(felt, network))
         labels = states.labels.reshape(len(batch), self.chunk, -1)
         off = (outputs - tensor_of(to_unit(self.spec.action, labels), network)).abs()
         known = tensor_of(targets.known[batch], network)
-        # The paper's loss: absolute, which is not drawn to the middle of two ways.
         return off.mean(dim=2)[known].mean()
 
     def _felt(
@@ -228,7 +206,7 @@ class ActPolicy:
         Latents as in `predict`, of the present images; a new plan is decoded only where none is
         left.
         """
-        network = self._fitted()
+        network = self.fitted()
         with torch.inference_mode():
             layers = self._looked(network, observations)
             if not len(self._plan):
@@ -241,7 +219,7 @@ class ActPolicy:
 
         Latents: by camera the last convolution layer's (n, c, h, w) output, as `convolution NAME`.
         """
-        network = self._fitted()
+        network = self.fitted()
         with torch.inference_mode():
             layers = self._looked(network, observations)
             chunks = self._decoded(network, layers, observations)
@@ -269,14 +247,14 @@ class ActPolicy:
 
     def arrays(self) -> Arrays:
         """The weights by layer, the scaling of the features and the number of fits so far."""
-        parts = {"network": weights_of(self._fitted()), "scaling": self.scaling_.arrays()}
+        parts = {"network": weights_of(self.fitted()), "scaling": self.scaling_.arrays()}
         return {**flatten(parts), "fits": np.array(self.fits_)}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
         network = network_with(
             subtree(arrays, "network"),
-            self._fresh_network,
+            self.fresh_network,
             f"channels {self.channels}, chunks of {self.chunk}, {self.layers} layers of width "
             f"{self.width}, cameras {sorted(self.spec.cameras)}, {len(self.spec.feature_names)} "
             f"features and {len(self.spec.action.names)} outputs",
@@ -286,11 +264,6 @@ class ActPolicy:
         self.network_ = network
         self.replan()
         return self
-
-    def _fitted(self) -> ActNetwork:
-        if self.network_ is None:
-            raise ParameterError("the policy is not fitted yet; call fit or load first")
-        return self.network_
 
 
 def _latents(layers: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:

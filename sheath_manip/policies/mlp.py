@@ -17,13 +17,13 @@ from sheath_manip.policies.choices import (
     nearest_choices,
     zero_one_losses,
 )
-from sheath_manip.policies.descent import Descent
 from sheath_manip.policies.deviation import largest_deviations
 from sheath_manip.policies.learned_arrays import numbers
 from sheath_manip.policies.memoryless import Memoryless
 from sheath_manip.policies.mlp_network import MlpNetwork
 from sheath_manip.policies.nested_arrays import flatten, subtree
-from sheath_manip.policies.network_arrays import network_with, placed, tensor_of, weights_of
+from sheath_manip.policies.network_arrays import network_with, tensor_of, weights_of
+from sheath_manip.policies.network_policy import FeaturePolicy, Loss
 from sheath_manip.policies.own_units import OwnUnits
 from sheath_manip.policies.requirements import require_features
 from sheath_manip.policies.unit_actions import from_unit, to_unit
@@ -32,12 +32,10 @@ from sheath_manip.types import Observations, Proposal, TaskSpec
 from sheath_manip.types.samples import Samples
 
 
-class MlpPolicy(Memoryless):
+class MlpPolicy(FeaturePolicy[MlpNetwork], Memoryless):
     """Regresses continuous actions on the features, or classifies them into choices.
 
-    Images go unused. The first fit is cold and learns how to standardise the features; each later
-    one continues from the present weights with a fresh optimiser. With one number of threads the
-    same seed and the same samples in the same order give the same weights to the bit.
+    Images go unused.
     """
 
     def __init__(
@@ -82,38 +80,21 @@ class MlpPolicy(Memoryless):
         if not self.hidden:
             raise ParameterError("hidden is empty; wanted a width for each hidden layer, like 256")
         self.choices = None if spec.action.choices is None else choices_of(spec)
-        self.network_: MlpNetwork | None = None
-        self.scaling_ = OwnUnits()
-        self.fits_ = 0
+        super().__init__(OwnUnits())
 
-    def fit(self, samples: Samples) -> Self:
-        """Fit to (n, a) labels, for choices each taken as the nearest; ParameterError for none."""
-        if len(samples) == 0:
-            raise ParameterError(
-                "no samples to fit a policy to; at least one labelled state is needed"
-            )
-        steps, rate = self.warm_steps, self.warm_learning_rate
-        if self.network_ is None:
-            steps, rate = self.steps, self.learning_rate
-            self.network_ = placed(self._fresh_network())
-            self.scaling_.fit(samples.features)
-        network, seen = self.network_, replace(samples, images={})
-        # Each refit draws its own order of batches.
-        rng = np.random.default_rng([self.seed, self.fits_])
+    def loss_on(self, network: MlpNetwork, samples: Samples, rng: np.random.Generator) -> Loss:
+        """Return least squares, or for choices cross entropy, each label taken as the nearest."""
+        seen, mirror = replace(samples, images={}), self.spec.mirror
 
         def loss(batch: NDArray[np.int64]) -> torch.Tensor:
-            mirror = self.spec.mirror
             states = reflected(seen.take(batch), mirror, half_of_them(len(batch), mirror, rng))
             felt = noisy(self.scaling_.transform(states.features), self.feature_noise, rng)
             return self._loss(network, felt, states.labels)
 
-        descent = Descent(steps, rate, self.batch_size, self.weight_decay)
-        descent.run(network, len(samples), rng, loss)
-        self.fits_ += 1
-        return self
+        return loss
 
-    def _fresh_network(self, weights: bool = True) -> MlpNetwork:
-        """Of the seed's first weights; without, it takes no memory and only has shapes."""
+    def fresh_network(self, weights: bool = True) -> MlpNetwork:
+        """Return one of the seed's first weights; without, it takes no memory and has shapes."""
         outputs = len(self.spec.action.names) if self.choices is None else len(self.choices)
         return MlpNetwork(
             len(self.spec.feature_names),
@@ -136,7 +117,7 @@ class MlpPolicy(Memoryless):
         Latents: the (n, hidden[-1]) last hidden layer as `penultimate`, and for choices their
         (n, k) softmax as `choice scores`.
         """
-        network, scaled = self._fitted(), self.scaling_.transform(observations.features)
+        network, scaled = self.fitted(), self.scaling_.transform(observations.features)
         with torch.inference_mode():
             penultimate = network.rectified(tensor_of(scaled, network))
             outputs = network.head(penultimate).cpu()
@@ -159,14 +140,14 @@ class MlpPolicy(Memoryless):
 
     def arrays(self) -> Arrays:
         """The weights by layer, the scaling of the features and the number of fits so far."""
-        parts = {"network": weights_of(self._fitted()), "scaling": self.scaling_.arrays()}
+        parts = {"network": weights_of(self.fitted()), "scaling": self.scaling_.arrays()}
         return {**flatten(parts), "fits": np.array(self.fits_)}
 
     def load(self, arrays: Arrays) -> Self:
         """Take over `arrays()` of a policy of the same shape; ParameterError for another's."""
         network = network_with(
             subtree(arrays, "network"),
-            self._fresh_network,
+            self.fresh_network,
             f"hidden layers {self.hidden}, {len(self.spec.feature_names)} features and "
             f"{len(self.spec.action.names) if self.choices is None else len(self.choices)} outputs",
         )
@@ -174,8 +155,3 @@ class MlpPolicy(Memoryless):
         self.fits_ = int(numbers(arrays, "fits"))
         self.network_ = network
         return self
-
-    def _fitted(self) -> MlpNetwork:
-        if self.network_ is None:
-            raise ParameterError("the policy is not fitted yet; call fit or load first")
-        return self.network_

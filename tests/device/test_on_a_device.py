@@ -183,7 +183,7 @@ def images(side: int, count: int = 2) -> torch.Tensor:
 @pytest.mark.parametrize("painting", [0.0, 1.0])
 def test_a_network_of_choices_makes_nothing_on_the_cpu(painting):
     policy = ConvPolicy(blobs.SPEC, reconstruction_weight=painting)
-    network = policy._fresh_network(weights=False)
+    network = policy.fresh_network(weights=False)
     last = network.activations(images(125))[-1]
     assert network.logits(last).device == META
     if network.decoder is not None:
@@ -194,7 +194,7 @@ def test_a_network_of_choices_makes_nothing_on_the_cpu(painting):
 def test_a_network_of_cameras_makes_nothing_on_the_cpu(name):
     settings = reach.ACT_SETTINGS if name == "act" else reach.SETTINGS
     policy: Any = make_policy(name, reach.SPEC, **settings)
-    network = policy._fresh_network(weights=False)
+    network = policy.fresh_network(weights=False)
     shown = {camera: images(side) for camera, (side, _) in reach.SPEC.cameras.items()}
     felt = torch.empty((2, len(reach.SPEC.feature_names)), device=META)
     layers = network.activations(shown)
