@@ -30,14 +30,12 @@ class ContrastWhitening(Whitening):
             most: directions that are kept, of those left the ones with the largest λ; all where
                 None. Each step of a robot pays for every one of them.
         """
-        if most is not None and most < 1:
-            raise ParameterError(f"most is {most}; wanted at least one direction, or None for all")
-        super().__init__()
-        self.most = most
+        super().__init__(most)
 
     def fit(self, X: NDArray, displaced: NDArray | None = None) -> Self:
         """Fit to (n, d) vectors and (m, d) of displaced states; ParameterError for any other."""
-        super().fit(X)
+        directions, roots = self._directions(X)
+        self._take((directions / roots) @ directions.T)
         wanted = f"(m > 0, {len(self.matrix_)})"
         if displaced is None:
             raise ParameterError(

@@ -122,8 +122,8 @@ def camera_convolutions_whitened(cameras: tuple[str, ...] = ()) -> SideBySide:
 
 
 def wrist_convolutions() -> SideBySide:
-    """The convolutions of the camera at the wrist, whitened, and the features."""
-    return camera_convolutions_whitened(("wrist",))
+    """The convolutions of the camera at the wrist, in their widest directions, and the features."""
+    return _and_features(CameraConvolutions(Whitening(most=48), cameras=("wrist",)))
 
 
 def pixels_and_features(cameras: tuple[str, ...] = ()) -> SideBySide:

@@ -79,27 +79,44 @@ class Standardisation:
 
 
 class Whitening:
-    """Standardised, then times the inverse root of a shrunk covariance, all dimensions kept.
+    """Standardised, then times the inverse root of a shrunk covariance.
 
     Ledoit & Wolf 2004, 'A well-conditioned estimator for large-dimensional covariance matrices'.
-    Small directions are kept, since what is unseen lies there; shrinkage stops them exploding.
+    Where all directions are kept, so are the small ones, since what is unseen may lie there;
+    shrinkage stops them exploding.
     """
 
     uses_displaced: ClassVar[bool] = False
 
-    def __init__(self) -> None:
+    def __init__(self, most: int | None = None) -> None:
+        """Store the hyperparameter; ParameterError where it leaves nothing.
+
+        Args:
+            most: directions that are kept, those in which training states vary most; all where
+                None. Each step of a robot pays for every one of them.
+        """
+        if most is not None and most < 1:
+            raise ParameterError(f"most is {most}; wanted at least one direction, or None for all")
         self.standardisation = Standardisation()
+        self.most = most
 
     def fit(self, X: NDArray, displaced: NDArray | None = None) -> Self:
         """Fit to (n, d) vectors; ParameterError where they are empty or not finite."""
         del displaced
+        vectors, roots = self._directions(X)
+        if self.most is None:
+            return self._take((vectors / roots) @ vectors.T)
+        # They come in rising order.
+        return self._take(vectors[:, -self.most :] / roots[-self.most :])
+
+    def _directions(self, X: NDArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Standardise (n, d) vectors; (d, d) their directions, and (d,) how wide each is."""
         Z = self.standardisation.fit(X).transform(X).astype(np.float64)
         # The function, since the class inverts what it found, and that takes longer than all this.
         covariance, _ = ledoit_wolf(Z, assume_centered=True)
         values, vectors = np.linalg.eigh(covariance)
         # Shrinkage leaves zero eigenvalues only where nothing moved at all.
-        roots = np.sqrt(np.maximum(values, 1e-6 * max(float(values[-1]), 1e-6)))
-        return self._take((vectors / roots) @ vectors.T)
+        return vectors, np.sqrt(np.maximum(values, 1e-6 * max(float(values[-1]), 1e-6)))
 
     def transform(self, X: NDArray) -> NDArray[np.float32]:
         """(n, d) whitened vectors."""
@@ -114,7 +131,7 @@ class Whitening:
         return self
 
     def arrays(self) -> Arrays:
-        """Mean and factor, each (d,), and the (d, d) whitening matrix."""
+        """Mean and factor, each (d,), and the (d, k) whitening matrix."""
         return {**self.standardisation.arrays(), "matrix": self.matrix_}
 
     def load(self, arrays: Arrays) -> Self:

@@ -152,7 +152,7 @@ def test_cameras_are_named_behind_a_colon_in_the_order_that_is_wanted():
         np.testing.assert_array_equal(both, vectors(name))
 
 
-def test_the_wrists_convolutions_are_those_of_the_camera_of_that_name():
+def test_the_wrists_convolutions_are_the_widest_directions_of_the_camera_of_that_name():
     world = "two cameras, act"
     states = WORLDS[world].states
     wrist, named = (
@@ -161,7 +161,13 @@ def test_the_wrists_convolutions_are_those_of_the_camera_of_that_name():
         )
         for name in ("wrist-convolutions", "camera-convolutions-whitened:wrist")
     )
-    np.testing.assert_array_equal(wrist, named)
+    felt = len(WORLDS[world].spec.feature_names)
+    assert wrist.shape[1] == 48 + felt < named.shape[1]
+    # Nothing of the other camera is in them: each is a sum of what is seen from the wrist.
+    seen, directions = (vectors[:, :-felt].astype(np.float64) for vectors in (named, wrist))
+    sums, *_ = np.linalg.lstsq(seen - seen.mean(axis=0), directions - directions.mean(axis=0))
+    left = directions - directions.mean(axis=0) - (seen - seen.mean(axis=0)) @ sums
+    assert np.abs(left).max() < 1e-2 * np.abs(directions).max()
 
 
 @pytest.mark.parametrize("name", ["pixels", "camera-convolutions"])

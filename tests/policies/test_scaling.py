@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.spatial.distance import pdist
 
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.policies.scaling import Standardisation, Whitening
@@ -56,3 +57,23 @@ def test_loaded_arrays_scale_the_same(scaling, vectors):
 def test_vectors_that_cannot_be_scaled(scaling, wrong):
     with pytest.raises(ParameterError, match="wanted finite"):
         scaling().fit(wrong)
+
+
+def test_of_the_whitened_directions_the_widest_are_kept(vectors):
+    every = Whitening().fit(vectors).transform(vectors)
+    few = Whitening(most=2).fit(vectors).transform(vectors)
+    assert few.shape == (len(vectors), 2)
+    # With all of them it is the same but for a turn, and fewer are never farther apart.
+    turned = Whitening(most=vectors.shape[1]).fit(vectors).transform(vectors)
+    apart = {name: pdist(each) for name, each in (("all", every), ("turned", turned))}
+    np.testing.assert_allclose(apart["turned"], apart["all"], rtol=1e-3, atol=1e-4)
+    assert (pdist(few) <= apart["all"] + 1e-4).all()
+    standardised = Standardisation().fit(vectors).transform(vectors)
+    widest = np.linalg.svd(standardised, full_matrices=False)[2][0]
+    along = np.corrcoef(standardised @ widest, few[:, -1])[0, 1]
+    assert abs(along) > 0.999
+
+
+def test_at_least_one_direction_is_kept():
+    with pytest.raises(ParameterError, match="most is 0; wanted at least one direction"):
+        Whitening(most=0)
