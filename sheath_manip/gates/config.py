@@ -97,10 +97,11 @@ class GateConfig:
             raise ParameterError(
                 f"dose_every_steps is {self.dose_every_steps}; wanted 0 or at least 2, like 10"
             )
-        if self.requests.limits or self.minimum_hold_steps or self.quiet_steps:
+        longer = ("release_rate", "release_margin", "quiet_steps", "minimum_hold_steps")
+        if self.requests.limits or any(getattr(self, name) for name in longer):
             raise ParameterError(
-                "dose_every_steps goes with no limits on requests, no minimum_hold_steps and no "
-                "quiet_steps, since a dose is one step; wanted one or the other"
+                f"dose_every_steps goes with no limits on requests and no {', '.join(longer)}, "
+                "since a dose is one step; wanted one or the other"
             )
 
     @property

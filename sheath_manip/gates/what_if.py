@@ -15,7 +15,7 @@ from sheath_manip.gates.patient import MINUTE_S, ROUNDING_S
 
 @dataclass(frozen=True)
 class TurnRule:
-    """When the expert takes over, and when it hands back: as `SupportGate` and `PatientGate` do."""
+    """When the expert takes over and hands back, as `SupportGate` and those around it do."""
 
     threshold: float
     """the score below which the expert takes over; no score is below any"""
@@ -24,6 +24,8 @@ class TurnRule:
     quiet_steps: int = 0
     a_minute: int = 0
     """requests in any 60 s, at most, since after the last the expert drives on; 0: no limit"""
+    dose_every_steps: int = 0
+    """steps from one of the expert's to its next while it alarms; 0: it acts in all"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,8 @@ def expert_turns(
         else:
             held += 1
             turns[step] = True
+    if rule.dose_every_steps:
+        turns = _dosed(turns, scores, rule.dose_every_steps)
     return _spared(turns, rule.a_minute, control_rate_hz) if rule.a_minute else turns
 
 
@@ -107,6 +111,17 @@ def preview(
         needless=(sum(others), len(others)),
         first_request=tuple(int(each.argmax()) if each.any() else None for each in turns),
     )
+
+
+def _dosed(
+    turns: NDArray[np.bool_], scores: NDArray[np.float64], every_steps: int
+) -> NDArray[np.bool_]:
+    """One of so many of the turns' steps, as `DosedGate` has it, and all that have no score."""
+    doses, due = np.zeros(len(turns), bool), 0
+    for step in np.flatnonzero(turns):
+        if step >= due or np.isnan(scores[step]):
+            doses[step], due = True, step + every_steps
+    return doses
 
 
 def _spared(turns: NDArray[np.bool_], a_minute: int, control_rate_hz: float) -> NDArray[np.bool_]:

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from sheath_manip.gates import SupportGate
+from sheath_manip.gates.doses import DosedGate
 from sheath_manip.gates.patient import PatientGate, RequestConfig
 from sheath_manip.gates.what_if import ScoredEpisode, TurnRule, expert_turns, preview
+from sheath_manip.protocols import Gate
 from sheath_manip.types import Actor, Observation, Proposal
 from tests.cases import cases
 from tests.judging import ByObservation
@@ -25,20 +27,23 @@ rules = st.builds(
     quiet_steps=st.integers(0, 3),
     a_minute=st.integers(0, 2),
 )
+dosed_rules = st.builds(
+    TurnRule, threshold=st.sampled_from([-0.5, 0.2]), dose_every_steps=st.integers(2, 5)
+)
 
 
 def by_the_gates(scores: list[float], rule: TurnRule) -> NDArray[np.bool_]:
     judge = ByObservation(lambda observation: float(observation.features[0]))
-    gate = PatientGate(
-        SupportGate(
-            judge,
-            rule.threshold,
-            release_margin=rule.release_margin,
-            quiet_steps=rule.quiet_steps,
-            minimum_hold_steps=rule.minimum_hold_steps,
-        ),
-        RequestConfig(a_minute=rule.a_minute),
+    gate: Gate = SupportGate(
+        judge,
+        rule.threshold,
+        release_margin=rule.release_margin,
+        quiet_steps=rule.quiet_steps,
+        minimum_hold_steps=rule.minimum_hold_steps,
     )
+    if rule.dose_every_steps:
+        gate = DosedGate(gate, rule.dose_every_steps)
+    gate = PatientGate(gate, RequestConfig(a_minute=rule.a_minute))
     gate.reset(np.random.default_rng(0))
     decisions = [
         gate.decide(Observation({}, np.array([score]), step / RATE_HZ), PROPOSAL)
@@ -48,7 +53,7 @@ def by_the_gates(scores: list[float], rule: TurnRule) -> NDArray[np.bool_]:
 
 
 @cases(200)
-@given(some_scores, rules)
+@given(some_scores, rules | dosed_rules)
 def test_it_foretells_what_the_gates_decide(scores: list[float], rule: TurnRule) -> None:
     foretold = expert_turns(np.array(scores, np.float64), rule, RATE_HZ)
     np.testing.assert_array_equal(foretold, by_the_gates(scores, rule))

@@ -167,6 +167,7 @@ class WhatIf:
             judge.release_margin + config.release_margin,
             config.quiet_steps,
             config.requests.a_minute,
+            config.dose_every_steps,
         )
 
     def _begin_at(self, boundary: Boundary | _Present) -> None:
