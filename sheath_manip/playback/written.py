@@ -29,9 +29,14 @@ def quantity(metric: str) -> str:
     return f"{name.replace('_', ' ')} ({unit})" if name else unit
 
 
+def rounded(number: float) -> str:
+    """Return a number with no more digits than say something: `0.31`, `1.6`, `130`."""
+    return f"{float(f'{number:.2g}'):,g}"
+
+
 def in_percent(share: float) -> str:
     """Return a share as titles and ticks write it, with no more digits than say something."""
-    return f"{float(f'{100 * share:.2g}'):g} %" if share < 0.995 else f"{100 * share:.0f} %"
+    return f"{rounded(100 * share)} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 def capitalised(words: str) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 
 from sheath_manip.experiments.burdens import overall_burdens
 from sheath_manip.experiments.figures.style import drawn_methods
-from sheath_manip.playback.written import in_percent, shown
+from sheath_manip.playback.written import in_percent, rounded, shown
 
 OVERALL, FINAL = "overall", "final"
 OURS, THEIRS = "sheath", "dagger"
@@ -34,11 +34,11 @@ def burden(summary: Mapping[str, Any]) -> str:
     method = summary["methods"][name]
     burdens = overall_burdens(method, summary.get("control_rate_hz"))
     takeovers, a_minute = burdens["takeovers_an_episode"], burdens["takeovers_a_minute"]
-    often = "" if a_minute is None else f" ({a_minute:.2g} a minute)"
+    often = "" if a_minute is None else f" ({rounded(a_minute)} a minute)"
     share = in_percent(method["overall"]["expert_share"])
     return (
-        f"{shown(name)}'s expert takes over {takeovers:.2g} times an episode{often} and drives in "
-        f"{share} of the steps"
+        f"{shown(name)}'s expert takes over {rounded(takeovers)} times an episode{often} and "
+        f"drives in {share} of the steps"
     )
 
 

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from sheath_manip.experiments.table import with_interval
 from sheath_manip.experiments.takeovers.plan import TAKEOVERS
+from sheath_manip.playback.written import rounded
 
 GATE = "gate"
 """the way beside which the others are baselines"""
@@ -75,4 +76,4 @@ def _of_task(name: str, found: Mapping[str, Any]) -> Table:
 
 
 def _number(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2g}"
+    return "–" if value is None else rounded(value)
