@@ -43,6 +43,6 @@ class DosedGate:
         if decision.actor is Actor.POLICY:
             return decision
         if self._left and decision.reason in ALARMS:
-            return replace(decision, actor=Actor.POLICY, query=False, reason=Reason.BETWEEN_DOSES)
+            return replace(decision, actor=Actor.POLICY, query=False, reason=Reason.FIXED)
         self._left = self.every_steps
         return decision

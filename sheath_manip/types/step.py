@@ -75,8 +75,6 @@ class Reason(StrEnum):
     SPARED = "request spared"
     """the next alarm would be one request too many, or this one is: the expert drives on, and where
     nobody is there the fallback controller acts"""
-    BETWEEN_DOSES = "between doses"
-    """an alarm soon after the expert's last step: the policy acts until the next is due"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ def test_the_threshold_changes_who_acts_once_it_is_applied(browser_page: Page) -
         apply = page.get_by_role("button", name="Apply")
         apply.click()
         wait_until(lambda: run.acts(Actor.EXPERT, 1.0), "expert after the threshold rose", page)
-        page.get_by_text("Expert acts").wait_for()
+        page.get_by_text("Expert acts", exact=True).wait_for()
         # While somebody drives, who watches moves nothing.
         assert run.cockpit.order(Order.TAKE_OVER, "somebody")
         slider(page, 0).press("Home")

@@ -35,7 +35,7 @@ def expert_steps(decisions: list[tuple[Actor, Reason]]) -> list[int]:
 def test_of_an_alarm_the_expert_takes_one_step_in_so_many() -> None:
     decisions = driven([1, -1, -1, -1, -1, -1, -1, 1], 3)
     assert expert_steps(decisions) == [1, 4]
-    assert decisions[2] == (Actor.POLICY, Reason.BETWEEN_DOSES)
+    assert decisions[2] == (Actor.POLICY, Reason.FIXED)
     assert decisions[7] == (Actor.POLICY, Reason.INSIDE)
 
 
