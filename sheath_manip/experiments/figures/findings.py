@@ -33,7 +33,7 @@ def burden(summary: Mapping[str, Any]) -> str:
     name, _ = _compared(summary["methods"])
     method = summary["methods"][name]
     burdens = overall_burdens(method, summary.get("control_rate_hz"))
-    takeovers, a_minute = burdens["takeovers_an_episode"], burdens["takeovers_a_minute"]
+    takeovers, a_minute = burdens["takeovers_an_episode"] or 0.0, burdens["takeovers_a_minute"]
     often = "" if a_minute is None else f" ({rounded(a_minute)} a minute)"
     share = in_percent(method["overall"]["expert_share"])
     return (
