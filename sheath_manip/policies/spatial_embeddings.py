@@ -17,7 +17,7 @@ The support alone has .67, 70 % and 29 % on the first, both joined .70, 85 % and
 from the wrist matters: a fixed camera's view is drowned by the new scene.
 
 Of the wrist's 512 whitened directions the widest are enough, and the others are noise: the same
-AUROC for two other training runs on 60 `medium` tuning scenes each, which 26 and 29 failed:
+AUROC for two other training runs on 60 `medium` tuning scenes each, 31 and 34 of which they failed:
 
     directions                    512    256    128     64     48     32     24
     near precedent               .825   .852   .871   .885   .893   .899
