@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from dm_control import composer, mjcf
 from dm_control.composer.observation import observable
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.tasks.assets import assets_of
 from sheath_manip.tasks.composer_environment import SheathTask
-from sheath_manip.tasks.driving.track import Track
+from sheath_manip.tasks.driving.track import Track, picture_png
 from sheath_manip.tasks.rendering import PyramidCamera
 from sheath_manip.types import ActionSpec, FirstView, Outcome, TaskSpec
 
@@ -66,9 +65,8 @@ class DrivingArena(composer.Arena):
     def _build(self, track: Track, name: str = "driving") -> None:
         self._mjcf_root = mjcf.from_path(str(ASSETS / "arena.xml"))
         self._mjcf_root.model = name
-        _, png = cv2.imencode(".png", cv2.cvtColor(track.picture(), cv2.COLOR_RGB2BGR))
         texture = self._mjcf_root.asset.add(
-            "texture", name="track", type="2d", file=mjcf.Asset(png.tobytes(), ".png")
+            "texture", name="track", type="2d", file=mjcf.Asset(picture_png(track), ".png")
         )
         material = self._mjcf_root.asset.add(
             "material", name="track", texture=texture, texrepeat=[1, 1], texuniform=False

@@ -1,6 +1,7 @@
 """The race track: a rectangle with rounded corners, its coordinates and its picture."""
 
 from dataclasses import dataclass
+from functools import cache, cached_property
 
 import cv2
 import numpy as np
@@ -10,6 +11,18 @@ GRASS = (74, 122, 62)
 _TARMAC = (92, 92, 98)
 _EDGE = (236, 236, 236)
 _CENTRE = (226, 196, 84)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """The lap in pieces: half a straight, then corner and straight in turn."""
+
+    starts: NDArray[np.float64]
+    """(9,) where each begins along the lap"""
+    straights: NDArray[np.float64]
+    """(5, 2) where each straight begins"""
+    corners: NDArray[np.float64]
+    """(4, 2) middles, in driving order"""
 
 
 @dataclass(frozen=True)
@@ -41,40 +54,47 @@ class Track:
         """Half extents of the ground along x and y."""
         return self.half_length + self.margin, self.half_width + self.margin
 
-    def pose(self, s: NDArray, lateral: NDArray) -> NDArray[np.float64]:
-        """(..., 3) x (m), y (m) and heading (rad) of the road at track coordinates (s, lateral)."""
-        s, lateral = np.broadcast_arrays(np.asarray(s, float), np.asarray(lateral, float))
+    @cached_property
+    def _pieces(self) -> _Pieces:
+        # Traffic asks four times in each control step.
         run_x = self.half_length - self.corner_radius
         run_y = self.half_width - self.corner_radius
-        quarter = np.pi / 2 * self.corner_radius
-        # The lap in pieces: half a straight, then corner and straight in turn.
+        radius = self.corner_radius
+        quarter = np.pi / 2 * radius
         lengths = np.array(
             [run_x, quarter, 2 * run_y, quarter, 2 * run_x, quarter, 2 * run_y, quarter, run_x]
         )
-        starts = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
-        s = np.mod(s, self.lap_length)
-        piece = np.clip(np.searchsorted(starts, s, side="right") - 1, 0, 8)
-        along = s - starts[piece]
-        radius = self.corner_radius
-        corners = np.array([[run_x, -run_y], [run_x, run_y], [-run_x, run_y], [-run_x, -run_y]])
-        start_points = np.array(
-            [
-                [0, -run_y - radius],
-                [run_x + radius, -run_y],
-                [run_x, run_y + radius],
-                [-run_x - radius, run_y],
-                [-run_x, -run_y - radius],
-            ]
+        return _Pieces(
+            starts=np.concatenate([[0.0], np.cumsum(lengths)[:-1]]),
+            straights=np.array(
+                [
+                    [0, -run_y - radius],
+                    [run_x + radius, -run_y],
+                    [run_x, run_y + radius],
+                    [-run_x - radius, run_y],
+                    [-run_x, -run_y - radius],
+                ]
+            ),
+            corners=np.array([[run_x, -run_y], [run_x, run_y], [-run_x, run_y], [-run_x, -run_y]]),
         )
+
+    def pose(self, s: NDArray, lateral: NDArray) -> NDArray[np.float64]:
+        """(..., 3) x (m), y (m) and heading (rad) of the road at track coordinates (s, lateral)."""
+        s, lateral = np.broadcast_arrays(np.asarray(s, float), np.asarray(lateral, float))
+        pieces = self._pieces
+        s = np.mod(s, self.lap_length)
+        piece = np.clip(np.searchsorted(pieces.starts, s, side="right") - 1, 0, 8)
+        along = s - pieces.starts[piece]
+        radius = self.corner_radius
         straight = piece % 2 == 0
         base = (piece // 2) * np.pi / 2
         heading = np.where(straight, base, base + along / radius)
         number = piece // 2
-        on_straight = start_points[number] + along[..., None] * np.stack(
+        on_straight = pieces.straights[number] + along[..., None] * np.stack(
             [np.cos(base), np.sin(base)], -1
         )
         outward = np.stack([np.sin(heading), -np.cos(heading)], -1)
-        on_corner = corners[np.minimum(number, 3)] + radius * outward
+        on_corner = pieces.corners[np.minimum(number, 3)] + radius * outward
         point = np.where(straight[..., None], on_straight, on_corner) - lateral[..., None] * outward
         return np.concatenate([point, heading[..., None]], -1)
 
@@ -142,3 +162,10 @@ class Track:
         image[(np.abs(lateral) < 0.12) & (np.mod(s, 4.0) < 2.0)] = _CENTRE
         image[(np.abs(lateral) < self.road_half_width) & (s < 0.5)] = _EDGE
         return np.clip(image, 0, 255).astype(np.uint8)
+
+
+@cache
+def picture_png(track: Track) -> bytes:
+    """Return the track's picture as a PNG: it takes longer than all else of an environment."""
+    _, png = cv2.imencode(".png", cv2.cvtColor(track.picture(), cv2.COLOR_RGB2BGR))
+    return png.tobytes()
