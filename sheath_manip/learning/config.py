@@ -69,6 +69,7 @@ class Comparison:
         "sheath",
         "sheath-own-labels",
         "random-blocks",
+        "hg-dagger",
     )
     """names of the methods, as `sheath tasks` lists them"""
     seeds: tuple[int, ...] = (0, 1, 2)
