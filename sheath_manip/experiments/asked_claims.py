@@ -1,27 +1,17 @@
 """What learning may ask of the expert, and what it must not cost: the same bars for every task."""
 
-from collections.abc import Mapping
 from functools import partial
-from typing import Any
 
 from sheath_manip.experiments.claims import Claim, Summary, constant
-
-GATED, OWN_LABELS, ALL_LABELS = "sheath", "sheath-own-labels", "dagger"
-
-
-def executed_failures(summary: Summary) -> float:
-    """Return the share of the gated policy's episodes, over all rounds, that failed."""
-    return summary["methods"][GATED]["overall"]["failure_rate"]
-
-
-def near_the_experts(summary: Summary) -> float:
-    """Return one and a half times the expert's own rate of failures, and two points."""
-    return 1.5 * summary["expert"]["failure_rate"] + 0.02
-
-
-def of_the_last_round(name: str, summary: Summary) -> float:
-    """Return a figure of the gated policy's last round."""
-    return _last(summary, GATED)[name]
+from sheath_manip.experiments.measures import (
+    ALL_LABELS,
+    GATED,
+    OWN_LABELS,
+    executed_failures,
+    last_round,
+    near_the_experts,
+    of_the_last_round,
+)
 
 
 def share_of_daggers_labels(summary: Summary) -> float:
@@ -33,15 +23,15 @@ def share_of_daggers_labels(summary: Summary) -> float:
     return own / all_of_them
 
 
-def failures_alone(bound: int, method: str, summary: Summary) -> float:
+def failures_alone(end: int, method: str, summary: Summary) -> float:
     """Return an end of the 95 % interval, 0 the lower, of how often the last policy fails alone."""
-    return _last(summary, method)["policy"]["ci95"]["failure_rate"][bound]
+    return last_round(method, summary)["policy"]["ci95"]["failure_rate"][end]
 
 
 CLAIMS = (
     Claim(
-        "SHEATH's executed failure rate, near the expert's",
-        executed_failures,
+        "SHEATH's executed failure rate, 1.5 times the expert's and 2 points",
+        partial(executed_failures, GATED),
         "<=",
         near_the_experts,
     ),
@@ -70,13 +60,9 @@ CLAIMS = (
         partial(constant, 0.25),
     ),
     Claim(
-        "last policy alone with own labels, its interval's low end, DAgger's high",
+        "last policy alone with own labels fails, low end of the interval; DAgger's high end",
         partial(failures_alone, 0, OWN_LABELS),
         "<=",
         partial(failures_alone, 1, ALL_LABELS),
     ),
 )
-
-
-def _last(summary: Summary, method: str) -> Mapping[str, Any]:
-    return summary["methods"][method]["rounds"][-1]

@@ -40,12 +40,12 @@ def test_only_the_last_round_is_held_to_the_burden():
 @pytest.mark.parametrize(
     ("worse", "name"),
     [
-        ({"failed": 0.03}, "SHEATH's executed failure rate, near the expert's"),
+        ({"failed": 0.03}, "SHEATH's executed failure rate, 1.5 times the expert's and 2 points"),
         ({"share": 0.09}, "expert's share in the last round"),
         ({"own_labels": 30.0}, "labels with own labels, a share of DAgger's"),
         (
             {"own_alone": (0.2, 0.5)},
-            "last policy alone with own labels, its interval's low end, DAgger's high",
+            "last policy alone with own labels fails, low end of the interval; DAgger's high end",
         ),
     ],
 )

@@ -15,6 +15,7 @@ from sheath_manip.experiments.takeovers.scoring import scene_key, scores_alone
 from sheath_manip.experiments.takeovers.stretch import Stretch, StretchEnvironment
 from sheath_manip.experiments.takeovers.trial import Trial
 from sheath_manip.experiments.takeovers.watched import Watched
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.gates.scheduled import ScheduledTakeovers
 from sheath_manip.learning.checkpoint import Checkpoint, load_checkpoint
 from sheath_manip.learning.drivers import PolicyAlone
@@ -119,6 +120,8 @@ def _under_gate(
         fitted.config,
         minimum_hold_steps=round(choice.turn_s * rate_hz),
         dose_every_steps=round(choice.dose_every_s * rate_hz),
+        # How long a turn is, the kind of gate says alone.
+        requests=RequestConfig(),
         labels="own",
     )
     progress = fitted.progress if choice.notices_stuck else None

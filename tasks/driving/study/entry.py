@@ -27,7 +27,7 @@ def _gate_map(*arguments: Any) -> None:
 
 
 # What a person could be asked: turns of a second, and under one an episode. At 15 % false alarms in
-# single steps there were thirty a minute; at 5 %, in turns of a second, two an episode; at 1.5 %
+# single steps there were 26 a minute; at 5 %, in turns of a second, two an episode; at 1.5 %
 # (training seed 10, eight rounds) .1 to 1.1, 1 to 8 % of the steps, and 1 of 64 episodes failed.
 _GATE = GateConfig(
     threshold=ThresholdConfig(false_alarm_rate=0.015),

@@ -2,17 +2,13 @@
 
 from functools import partial
 
-from sheath_manip.experiments.claims import Claim, Summary, constant, uninformed
-
-
-def ruined(method: str, summary: Summary) -> float:
-    """Share of the executed episodes that ruined a sheet, over all rounds and seeds."""
-    return summary["methods"][method]["overall"]["failure_rate"]
-
-
-def ruined_at_random(summary: Summary) -> float:
-    """Share of executed episodes that ruined a sheet under takeovers at random."""
-    return ruined(uninformed(summary), summary)
+from sheath_manip.experiments.claims import Claim, Summary, constant
+from sheath_manip.experiments.measures import (
+    executed_failures,
+    executed_failures_at_random,
+    training_seeds,
+    wall_minutes,
+)
 
 
 def freed_alone(method: str, summary: Summary) -> float:
@@ -31,31 +27,26 @@ def freed_by_registered(summary: Summary) -> float:
     return summary["references"]["registered"]["metric"]["freed"]
 
 
-def training_seeds(summary: Summary) -> float:
-    """Number of training seeds."""
-    return len(summary["seeds"])
-
-
-def wall_minutes(summary: Summary) -> float:
-    """Wall time of the experiment."""
-    return summary["wall_s"] / 60
-
-
 CLAIMS = (
     Claim("training seeds", training_seeds, ">=", partial(constant, 3)),
     Claim("wall time, minutes", wall_minutes, "<=", partial(constant, 100)),
-    Claim("sheets that SHEATH ruins", partial(ruined, "sheath"), "<=", partial(constant, 0.03)),
+    Claim(
+        "sheets that SHEATH ruins",
+        partial(executed_failures, "sheath"),
+        "<=",
+        partial(constant, 0.03),
+    ),
     Claim(
         "sheets that SHEATH ruins, those of DAgger",
-        partial(ruined, "sheath"),
+        partial(executed_failures, "sheath"),
         "<",
-        partial(ruined, "dagger"),
+        partial(executed_failures, "dagger"),
     ),
     Claim(
         "sheets that SHEATH ruins, those of takeovers at random",
-        partial(ruined, "sheath"),
+        partial(executed_failures, "sheath"),
         "<",
-        ruined_at_random,
+        executed_failures_at_random,
     ),
     Claim(
         "discs that SHEATH's final policy frees alone",

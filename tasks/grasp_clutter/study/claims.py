@@ -3,16 +3,15 @@
 from functools import partial
 
 from sheath_manip.experiments.claims import Claim, Summary, constant
-
-
-def toppled_while_learning(method: str, summary: Summary) -> float:
-    """Share of the executed episodes that toppled something, over all rounds and seeds."""
-    return summary["methods"][method]["overall"]["failure_rate"]
-
-
-def last_expert_share(summary: Summary) -> float:
-    """Return the expert's share of SHEATH's steps in the last round."""
-    return summary["methods"]["sheath"]["rounds"][-1]["expert_share"]
+from sheath_manip.experiments.measures import (
+    executed_failures,
+    final_scenes,
+    near_the_experts,
+    of_the_last_round,
+    rounds,
+    training_seeds,
+    wall_minutes,
+)
 
 
 def success_alone(method: str, summary: Summary) -> float:
@@ -33,26 +32,6 @@ def demonstrations(summary: Summary) -> float:
     return plan["demonstrations"] if plan["demonstration_noise"] == 0 else float("nan")
 
 
-def rounds(summary: Summary) -> float:
-    """Return the number of rounds after the demonstrations."""
-    return summary["methods"]["sheath"]["rounds"][-1]["round"]
-
-
-def training_seeds(summary: Summary) -> float:
-    """Number of training seeds."""
-    return len(summary["seeds"])
-
-
-def final_scenes(summary: Summary) -> float:
-    """Held-out scenes on which each of the last policies is judged."""
-    return summary["plan"]["comparison"]["final_episodes"]
-
-
-def wall_minutes(summary: Summary) -> float:
-    """Wall time of the experiment."""
-    return summary["wall_s"] / 60
-
-
 CLAIMS = (
     Claim("training seeds", training_seeds, ">=", partial(constant, 3)),
     Claim("clean demonstrations", demonstrations, "<=", partial(constant, 60)),
@@ -61,12 +40,15 @@ CLAIMS = (
     Claim("wall time, minutes", wall_minutes, "<=", partial(constant, 100)),
     Claim(
         "share of SHEATH's executed episodes that topple something",
-        partial(toppled_while_learning, "sheath"),
+        partial(executed_failures, "sheath"),
         "<=",
         partial(constant, 0.03),
     ),
     Claim(
-        "SHEATH's expert share in the last round", last_expert_share, "<=", partial(constant, 0.35)
+        "SHEATH's expert share in the last round",
+        partial(of_the_last_round, "expert_share"),
+        "<=",
+        partial(constant, 0.35),
     ),
     Claim(
         "success of SHEATH's final policy alone",
@@ -83,18 +65,13 @@ CLAIMS = (
 )
 
 
-def near_the_experts(summary: Summary) -> float:
-    """Return one and a half times the expert's own failure rate, and 2 points."""
-    return 1.5 * summary["expert"]["failure_rate"] + 0.02
-
-
 HARD = (
     Claim("training seeds", training_seeds, ">=", partial(constant, 3)),
     Claim("clean demonstrations", demonstrations, "<=", partial(constant, 60)),
     Claim("held-out scenes of each final policy", final_scenes, ">=", partial(constant, 100)),
     Claim(
         "share of SHEATH's executed episodes that topple, 1.5 times the expert's and 2 points",
-        partial(toppled_while_learning, "sheath"),
+        partial(executed_failures, "sheath"),
         "<=",
         near_the_experts,
     ),

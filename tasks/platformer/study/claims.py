@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 
 from sheath_manip.experiments.claims import Claim, Summary, constant
+from sheath_manip.experiments.measures import rounds, training_seeds
 
 CONVERGED_ROUNDS = 3
 """the last so many: where a policy is by then, less what one round more or less does to it"""
@@ -49,18 +50,8 @@ def few_of_daggers_queries(summary: Summary) -> float:
     return 0.3 * queries("dagger", summary)
 
 
-def stages(summary: Summary) -> float:
-    """Training runs, each on a stage of its own."""
-    return len(summary["seeds"])
-
-
-def rounds(summary: Summary) -> float:
-    """Return the number of rounds after the demonstrations."""
-    return summary["methods"]["sheath"]["rounds"][-1]["round"]
-
-
 CLAIMS = (
-    Claim("stages", stages, ">=", partial(constant, 50)),
+    Claim("stages, a training run each", training_seeds, ">=", partial(constant, 50)),
     Claim("rounds", rounds, ">=", partial(constant, 10)),
     Claim("expert's progress", expert_progress, ">=", partial(constant, 0.97)),
     Claim(
