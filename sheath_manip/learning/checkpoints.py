@@ -61,7 +61,7 @@ class Checkpoints:
 
         def fit() -> Checkpoint:
             policy = self._fresh_policy(self.plan).fit(states)
-            return self._with_gate(self.plan, policy, states, names)
+            return self._with_gate(self.plan.for_round(1), policy, states, names)
 
         return self._read_or(fit, EXPERT, 0)
 
@@ -79,8 +79,8 @@ class Checkpoints:
         be fitted for that. `given` are the gate's settings in round 1 that a schedule or another
         method says.
         """
-        plan = self._plan_of(method, given)
-        if plan == self.plan:
+        shared, plan = self.plan.for_round(1), self._plan_of(method, 1, given)
+        if plan == shared:
             return first
 
         def fit() -> Checkpoint:
@@ -93,7 +93,7 @@ class Checkpoints:
                 # Without the threshold of the gate that all others begin with.
                 fitted = FittedGate(config, policy, sources=first.fitted.sources)
                 return replace(first, policy=policy, policy_name=plan.policy.name, fitted=fitted)
-            if first.fitted.signal is not None and config.fitted_like(self.plan.gate):
+            if first.fitted.signal is not None and config.fitted_like(shared.gate):
                 return replace(first, fitted=replace(first.fitted, config=config))
             return self._with_gate(plan, policy, states, names)
 
@@ -121,7 +121,7 @@ class Checkpoints:
             names: of the episodes that `aggregated` is from.
             given: the gate's settings in the next round that a schedule or another method says.
         """
-        plan = self._plan_of(method, given)
+        plan = self._plan_of(method, number + 1, given)
         new = visited.labelled()
 
         def fit() -> Checkpoint:
@@ -145,9 +145,9 @@ class Checkpoints:
         """Return the digest of the checkpoint's file."""
         return digest(self.path(checkpoint))
 
-    def _plan_of(self, method: Method, given: Mapping[str, Any]) -> LearningPlan:
-        """What the method makes of the plan, with what a round gives it."""
-        plan = method.plan(self.plan)
+    def _plan_of(self, method: Method, number: int, given: Mapping[str, Any]) -> LearningPlan:
+        """What the method makes of the plan of a round, with what that round gives it."""
+        plan = method.plan(self.plan.for_round(number))
         return plan.changed(gate=given) if given else plan
 
     def _with_gate(

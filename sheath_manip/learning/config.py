@@ -38,6 +38,10 @@ class Schedule:
     """decay of DAgger's mixture: in round i the expert acts with probability beta^i"""
     alpha: float = 0.1
     """SMILe's share of the newest policy in what was the expert's"""
+    first_false_alarm_rate: float = 0.0
+    """rate of false alarms, below 1, that the first round's gate keeps to where that is more than
+    the threshold's own, to which it halves from round to round: a first policy fails most; 0: the
+    same in all rounds"""
     variant: str = "default"
     """variant of the task to learn and be judged on; one of its `run_variants` is made for each
     run"""
@@ -55,8 +59,9 @@ class Schedule:
             raise ParameterError(
                 f"demonstration_noise is {self.demonstration_noise}; wanted at least 0, like 0.1"
             )
-        if not 0 <= self.beta < 1:
-            raise ParameterError(f"beta is {self.beta}; wanted 0 to below 1")
+        for name in ("beta", "first_false_alarm_rate"):
+            if not 0 <= getattr(self, name) < 1:
+                raise ParameterError(f"{name} is {getattr(self, name)}; wanted 0 to below 1")
 
 
 @dataclass(frozen=True)
@@ -122,6 +127,14 @@ class LearningPlan:
     def rounds_are_known(self) -> bool:
         """Whether there are as many rounds as planned, whatever they show."""
         return self.schedule.stop_below_loss <= 0
+
+    def for_round(self, number: int) -> Self:
+        """Return the plan as it is in a round, from 1: in the first ones the gate may ask more."""
+        first, threshold = self.schedule.first_false_alarm_rate, self.gate.threshold
+        rate = max(first / 2 ** (number - 1), threshold.false_alarm_rate)
+        if rate == threshold.false_alarm_rate:
+            return self
+        return self.changed(gate={"threshold": {"false_alarm_rate": rate}})
 
     def changed(self, **parts: Mapping[str, Any]) -> Self:
         """Return the plan with other values, such as `changed(schedule={"rounds": 2})`.

@@ -112,3 +112,15 @@ def test_every_flat_setting_has_its_place():
         at = described
         for part in path:
             at = at[part]
+
+
+def test_in_the_first_rounds_the_gate_may_ask_more():
+    plan = LearningPlan().changed(
+        gate={"threshold": {"false_alarm_rate": 0.02}}, schedule={"first_false_alarm_rate": 0.06}
+    )
+    rates = [plan.for_round(number).gate.threshold.false_alarm_rate for number in (1, 2, 3, 9)]
+    assert rates == [0.06, 0.03, 0.02, 0.02]
+    assert plan.for_round(3) == plan
+    assert LearningPlan().for_round(1) == LearningPlan()
+    with pytest.raises(ParameterError, match=r"first_false_alarm_rate is 1\.0; wanted 0 to below 1"):
+        Schedule(first_false_alarm_rate=1.0)

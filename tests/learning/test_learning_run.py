@@ -161,3 +161,14 @@ def test_a_method_that_follows_one_that_stopped_stops_with_it(whole, tmp_path):
     # What random takeover meets where its own loss is not low enough yet.
     results = run("random-takeover", tmp_path / "run")
     assert [result.round for result in results] == [0, 1]
+
+
+def test_each_rounds_gate_keeps_to_the_rate_of_its_round(tmp_path):
+    plan = SMALL_PLAN.changed(schedule={"first_false_alarm_rate": 0.8})
+    run("sheath", tmp_path, plan)
+    paths = [round_path(tmp_path, 0, "expert", 0, "npz")]
+    paths += [round_path(tmp_path, 0, "sheath", number, "npz") for number in (1, 2)]
+    gates = [load_checkpoint(path, Corridor().spec).fitted for path in paths]
+    # Each is fitted for the round that follows, the last for a third one.
+    assert [gate.config.threshold.false_alarm_rate for gate in gates] == [0.8, 0.4, 0.3]
+    assert gates[0].threshold > gates[2].threshold
