@@ -3,7 +3,6 @@
 from functools import partial
 from itertools import accumulate
 
-from sheath_manip.experiments.asked_claims import CLAIMS as ASKED
 from sheath_manip.experiments.claims import Claim, Summary, constant, uninformed
 from sheath_manip.experiments.measures import (
     evaluation_scenes,
@@ -101,5 +100,4 @@ CLAIMS = (
         executed_failures_at_random,
     ),
     Claim("false alarms, off the asked rate", false_alarm_error, "<=", partial(constant, 0.03)),
-    *ASKED,
 )
