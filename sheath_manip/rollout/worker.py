@@ -46,9 +46,10 @@ def serve(connection: Connection) -> None:
         while True:
             try:
                 errand: Errand = connection.recv()
-            except EOFError:
+                connection.send(answer_of(partial(run_errand, errand, workplace)))
+            except (EOFError, OSError):
+                # Who asked is gone, before this errand or while it was run.
                 return
-            connection.send(answer_of(partial(run_errand, errand, workplace)))
 
 
 def without_images(episode: Episode) -> Episode:

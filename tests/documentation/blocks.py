@@ -28,6 +28,7 @@ NOT_RUN = {
     r"sheath (run|learn|teleop) .*(--expert person|by-hand)": "waits for a person: tests/cockpit",
     r"sheath replay \S+$": "serves a page until Ctrl-C: tests/dashboard",
     r"sheath experiment": "takes an hour: tests/experiments",
+    r"sheath \S+ \S+ --device cuda": "wants a GPU: tests marked for one compare it with the CPU",
     r"sheath learn fetch": "results/outside: tools/outside learns it in a venv of its own",
     r"pip install -e tests/guest_package|sheath learn slide": "tests/test_guest_package.py "
     "installs that package and learns its task",

@@ -17,6 +17,7 @@ TRAITS = {
     "sheath-own-labels": (0.12, 0.35),
     "random-blocks": (0.33, 0.35),
     "random-takeover": (0.33, 0.35),
+    "hg-dagger": (0.15, 0.2),
 }
 
 

@@ -156,6 +156,8 @@ def test_another_plan_does_not_resume_it_but_other_rows_join(whole, tmp_path):
 
 
 @pytest.mark.soak
+# Of so few episodes one signal's threshold lies next to what is infinitely far, on some processors.
+@pytest.mark.filterwarnings("ignore::sheath_manip.exceptions.GateWarning")
 def test_the_rest_of_the_grid_may_stay_out_of_the_loop(tmp_path, capsys):
     plan = replace(SMALL, embeddings=("pixels", "pixels-whitened"), other_episodes=0, held_out=0)
     found = benchmark(tmp_path, plan=plan)["tasks"]["corridor"]["rows"]
