@@ -33,7 +33,7 @@ test: $(DEV_STAMP) gl browser ## lint, import contracts, types, documentation, t
 	@$(MAKE) -j 2 lint contracts types docs
 	$(PYTEST)
 
-soak: $(DEV_STAMP) gl browser ## what takes a quarter of an hour: many cases, long runs, kills
+soak: $(DEV_STAMP) gl browser ## what takes an hour: many cases, long runs, kills
 	$(PYTEST) -m 'soak or hypothesis' --hypothesis-profile soak --timeout 900
 	$(BIN)/python -m tools.soak --minutes 3
 	$(BIN)/python -m tools.kill_recorder --kills 30 --writers 2 --polls 1000

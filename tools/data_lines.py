@@ -62,7 +62,8 @@ def training_line(frames: int, pixels: int) -> dict[str, Line]:
     """Frames that are trained on, in a process of its own."""
     command = [sys.executable, "-m", "tools.many_frames", str(frames), "--pixels", str(pixels)]
     begin_s = time.perf_counter()
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    # What it says to stderr is seen at once: it tells why it failed, where it does.
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     told = json.loads(done.stdout.splitlines()[-1])
     how = (
         f"`python -m tools.many_frames {frames} --pixels {pixels}`: {told['frames_mb'] / 1e3:.1f} "
