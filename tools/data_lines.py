@@ -1,6 +1,7 @@
 """How soon a store is read and listed, how much memory frames take, and what a late refit takes."""
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -62,8 +63,9 @@ def training_line(frames: int, pixels: int) -> dict[str, Line]:
     """Frames that are trained on, in a process of its own."""
     command = [sys.executable, "-m", "tools.many_frames", str(frames), "--pixels", str(pixels)]
     begin_s = time.perf_counter()
-    # What it says to stderr is seen at once: it tells why it failed, where it does.
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    # Wherever this runs; what the process says to stderr is seen, and tells why where it fails.
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     told = json.loads(done.stdout.splitlines()[-1])
     how = (
         f"`python -m tools.many_frames {frames} --pixels {pixels}`: {told['frames_mb'] / 1e3:.1f} "

@@ -34,7 +34,7 @@ from sheath_manip.types import (
 from sheath_manip.types.samples import samples_from
 from tests.deciding import decided, of_the_page, of_the_run, recorded
 
-TRAINED_ON, HELD_OUT, STEPS = 2, 3, 20
+TRAINED_ON, HELD_OUT, STEPS = 2, 4, 20
 TINY: Mapping[str, dict[str, Any]] = {
     "driving": {"name": "plain-cnn", "settings": {"epochs": 1}},
     "gauze-cutting": {"settings": {"spatial_settings": {"steps": 3, "warm_steps": 1}}},
