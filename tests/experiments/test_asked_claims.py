@@ -13,7 +13,7 @@ def method(failed: float, labels: float, share: float, takeovers: float, alone) 
         "takeovers_a_minute": 4 * takeovers,
         "policy": {"ci95": {"failure_rate": alone}},
     }
-    first = {**last, "expert_share": 1.0, "takeovers_an_episode": 9.0}
+    first = {"expert_share": 1.0, "takeovers_an_episode": 9.0, "takeovers_a_minute": 36.0}
     overall = {"failure_rate": failed, "labels_an_episode": labels}
     return {"overall": overall, "rounds": [first, last]}
 

@@ -27,9 +27,9 @@ def _gate_map(*arguments: Any) -> None:
 
 
 # What a person could be asked: turns of a second, and under one an episode once the policy is good.
-# On tuning seeds: at 5 % false alarms two an episode in every round; at 1.5 % .1 to 1.1, but the
-# first policy, which fails most, was let go too far. From 6 % in the first round down to 1.5 % one
-# of 256 episodes failed, and in the last round there were .7 an episode, for 5 % of the steps.
+# On tuning seeds: at 5 % false alarms about two an episode in each round; at 1.5 % .1 to 1.1, but
+# the first policy, which fails most, was let go too far. From 6 % in the first round down to 1.5 %
+# one of 256 episodes failed, and in the last there were .7 an episode, for 5 % of the steps.
 _GATE = GateConfig(
     threshold=ThresholdConfig(false_alarm_rate=0.015),
     minimum_hold_steps=10,
