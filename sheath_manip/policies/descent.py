@@ -48,12 +48,14 @@ class Descent:
             rng: of the orders; `loss` may draw from it, after each batch is.
             loss: of a batch, (k,) places among the samples.
         """
-        # None leaves the choice to torch, which on a CPU is a loop over the weights.
+        # All weights' first operation, then their second: a CPU's default, one weight after the
+        # other, gives the same bits in half as long again.
         optimiser = torch.optim.AdamW(
             network.parameters(),
             self.learning_rate,
             weight_decay=self.weight_decay,
-            fused=self.fused or None,
+            fused=self.fused,
+            foreach=not self.fused,
         )
         network.train()
         order = np.empty(0, dtype=np.int64)
