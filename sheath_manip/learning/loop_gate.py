@@ -28,7 +28,9 @@ class LoopGate:
         """Store what was fitted, and what it is asked of: observations and actions of `spec`."""
         self.fitted = fitted
         self.spec = spec
-        self._checked = _Checked(make_gate(fitted), spec)
+        # Elsewhere another loop's clock is no business of ours.
+        by_time = fitted.config.requests.limits
+        self._checked = _Checked(make_gate(fitted), spec, by_time)
         self._gate = GuardedGate(self._checked)
 
     def reset(self, seed: int | np.random.Generator = 0) -> None:
@@ -46,8 +48,8 @@ class LoopGate:
         Where it is not the policy, one that plans ahead hears that its plan is void.
 
         Args:
-            observation: what is seen; its `time_s` counts where requests are limited, by
-                `--gate.requests`.
+            observation: what is seen. Its `time_s`, in seconds of the episode, counts where requests
+                are limited, by `--gate.requests`, and has to go on then: else no turn ends.
             proposal: of the policy for this very observation. An action (a,) does where the
                 gate's embeddings read no latent; None where there is none to be executed.
         """
@@ -76,9 +78,10 @@ class LoopGate:
 class _Checked:
     """A gate that is shown nothing but what it was fitted to; the guard hears of the rest."""
 
-    def __init__(self, gate: Gate, spec: TaskSpec) -> None:
+    def __init__(self, gate: Gate, spec: TaskSpec, by_time: bool) -> None:
         self.gate = gate
         self.spec = spec
+        self.by_time = by_time
         self.fault = ""
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -86,9 +89,10 @@ class _Checked:
 
     def decide(self, observation: Observation, proposal: Proposal | None) -> GateDecision:
         try:
-            # Another loop's numbers are as often doubles, and its clock is no business of ours.
+            # Another loop's numbers are as often doubles.
             features = np.asarray(observation.features, np.float32)
-            shown = replace(observation, features=features, time_s=0.0)
+            time_s = observation.time_s if self.by_time else 0.0
+            shown = replace(observation, features=features, time_s=time_s)
             return self.gate.decide(kept_observation(shown, self.spec), proposal)
         except Exception as error:
             self.fault = f"{type(error).__name__}: {error}"

@@ -11,6 +11,7 @@ from sheath_manip.adapters.from_callable import from_callable
 from sheath_manip.exceptions import CheckpointError, ParameterError, SheathError
 from sheath_manip.gates.config import GateConfig
 from sheath_manip.gates.fitted import Sources
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.learning.checkpoint import load_checkpoint
 from sheath_manip.learning.checkpoint_file import read_arrays, write_arrays
 from sheath_manip.learning.frozen import fit_frozen_gate
@@ -263,6 +264,24 @@ class TestLoop:
         doubles = replace(frozen.seen(place), features=place, time_s=float("nan"))
         assert gate.decide(doubles, frozen.steered(place)).actor is Actor.POLICY
         assert gate.decide(frozen.seen(place), [1.0, 1.0]).actor is Actor.EXPERT
+
+    def test_a_turn_ends_by_the_time_of_the_observations(self, tmp_path) -> None:
+        config = replace(FROZEN, requests=RequestConfig(turn_s=1.0))
+        path = frozen.fitted(config, embed=None).save(tmp_path / "limited.npz")
+        gate = load_gate(path, frozen.policy(embed=None))
+        gate.reset()
+
+        def actor(place: list[float], time_s: float) -> Actor:
+            known = replace(frozen.seen(place), time_s=time_s)
+            return gate.decide(known, frozen.steered(known.features)).actor
+
+        actors = [actor(FAR if step == 5 else [0.2, 0.2], step / 20) for step in range(50)]
+        assert [step for step, each in enumerate(actors) if each is Actor.EXPERT] == list(
+            range(5, 25)
+        )
+        # Where time is no number nobody can say how long a turn lasts.
+        assert actor([0.2, 0.2], float("nan")) is Actor.EXPERT
+        assert "finite time" in gate.fault
 
     def test_a_plan_is_void_once_the_expert_acts_and_an_episode_begins_for_both(self, tmp_path):
         begun: list[object] = []
