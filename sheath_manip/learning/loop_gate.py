@@ -48,8 +48,8 @@ class LoopGate:
         Where it is not the policy, one that plans ahead hears that its plan is void.
 
         Args:
-            observation: what is seen. Its `time_s`, in seconds of the episode, counts where requests
-                are limited, by `--gate.requests`, and has to go on then: else no turn ends.
+            observation: what is seen. Where requests are limited, by `--gate.requests`, its
+                `time_s` counts, in seconds of the episode, and has to go on: else no turn ends.
             proposal: of the policy for this very observation. An action (a,) does where the
                 gate's embeddings read no latent; None where there is none to be executed.
         """
