@@ -120,6 +120,13 @@ def alike(summary: Figures) -> str:
     return "as many and as long" if blocks else "of the same share"
 
 
+def of_final_variant(summary: Figures) -> str:
+    """Return which scenes last policies are judged on, ` of the variant …`; empty if not said."""
+    plan = summary["plan"]
+    variant = plan.get("comparison", plan).get("final_variant")
+    return f" of the variant `{variant}`" if variant else ""
+
+
 def minutes(seconds: float) -> int:
     """Return a time in whole minutes."""
     return round(seconds / 60)

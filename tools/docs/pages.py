@@ -28,6 +28,7 @@ NUMBERS = (
     numbers.mean,
     numbers.minutes,
     numbers.more,
+    numbers.of_final_variant,
     numbers.percent,
     numbers.rate,
     numbers.takeover_s,
