@@ -58,6 +58,15 @@ def broken_steps(episode: Episode) -> tuple[BrokenSteps, ...]:
     return tuple(listed)
 
 
+def broken_between(listed: Iterable[BrokenSteps], start: int, stop: int) -> tuple[BrokenSteps, ...]:
+    """Return what broke down in the steps `start` .. `stop` (exclusive), counted from `start`."""
+    cut = (
+        BrokenSteps(max(run.start, start) - start, min(run.stop, stop) - start, run.broken)
+        for run in listed
+    )
+    return tuple(run for run in cut if run.start < run.stop)
+
+
 def broken_by_step(
     listed: Iterable[BrokenSteps], length: int
 ) -> Mapping[int, tuple[Breakdown, ...]]:

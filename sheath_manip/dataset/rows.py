@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sheath_manip.dataset.broken_steps import broken_by_step
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import LIMITED, SIGNALS, Arrays
+from sheath_manip.dataset.waits import waits_between
 from sheath_manip.types import Episode, GateDecision, Limited, Observation, SignalScore, Step
 from sheath_manip.types.columns import ACTORS, REASONS, Columns, intervening
 
@@ -135,7 +136,8 @@ def columns_from(header: Header, arrays: Arrays) -> Columns:
     actor = _places(header.actors, ACTORS)[arrays["actor"]]
     reason = _places(header.reasons, REASONS)[arrays["reason"]]
     waited_s = np.zeros(header.length)
-    for wait in header.waits:
+    # Pieces that were exported before 2026-12 tell of waits beyond their end.
+    for wait in waits_between(header.waits, 0, header.length):
         waited_s[wait.step] = wait.waited_s
     limited = np.zeros(header.length, bool)
     if header.limits:

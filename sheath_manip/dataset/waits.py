@@ -1,6 +1,7 @@
 """When a robot stood still and waited for a person, kept in the header: mostly there is nothing."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +23,13 @@ def waits_of(episode: Episode) -> tuple[Wait, ...]:
     """Return the waits in an episode, in their order."""
     waited_s = (float(step.decision.waited_s) for step in episode.steps)
     return tuple(Wait(step, each) for step, each in enumerate(waited_s) if 0 < each < math.inf)
+
+
+def waits_between(waits: Iterable[Wait], start: int, stop: int) -> tuple[Wait, ...]:
+    """Return those before the steps `start` .. `stop` (exclusive), counted from `start`."""
+    return tuple(
+        Wait(each.step - start, each.waited_s) for each in waits if start <= each.step < stop
+    )
 
 
 def waits_from_json(content: Any) -> tuple[Wait, ...]:

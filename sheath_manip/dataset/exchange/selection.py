@@ -7,12 +7,14 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dataset.broken_steps import broken_between
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.layout import has_label, layout
 from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.recorded import Recorded
 from sheath_manip.dataset.steps import by_expert
+from sheath_manip.dataset.waits import waits_between
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import Outcome
 
@@ -125,6 +127,9 @@ def piece(recorded: Recorded, start: int, stop: int) -> Recorded:
             queries=int(cut["query"].sum()),
             terminated=header.terminated and last,
             truncated=header.truncated or not last,
+            # At step T is what cut the whole short.
+            broken=broken_between(header.broken, start, stop + last),
+            waits=waits_between(header.waits, start, stop),
         ),
         cut,
     )

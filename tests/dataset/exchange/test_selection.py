@@ -14,7 +14,7 @@ from sheath_manip.dataset.rows import episode_from
 from sheath_manip.dataset.steps import by_expert
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import StoreError
-from sheath_manip.types import Outcome
+from sheath_manip.types import Breakdown, Outcome
 from tests.episodes import INFO, episode_of
 from tools.identical import identical
 
@@ -43,6 +43,33 @@ def test_each_run_of_the_expert_is_an_episode(store: EpisodeStore) -> None:
     end = episode_from(last.header, last.arrays)
     assert end.final_observation.time_s == whole.final_observation.time_s
     assert (end.terminated, end.truncated) == (True, False)
+
+
+def test_a_piece_tells_of_waits_and_breakdowns_in_its_own_steps(store: EpisodeStore) -> None:
+    broken = Breakdown("gate", "ValueError")
+    episode = episode_of("ppeeeep")
+    steps = tuple(
+        replace(
+            step,
+            decision=replace(
+                step.decision,
+                waited_s={2: 1.5, 6: 0.5}.get(place, 0.0),
+                broken=(broken,) if place in (3, 4) else (),
+            ),
+        )
+        for place, step in enumerate(episode.steps)
+    )
+    whole = replace(episode, steps=steps, outcome=Outcome.ERROR, cut_short_by=broken)
+    recorded = store.recorded(store.append(whole))
+    for start, stop, waits, breakdowns in ((2, 6, {0: 1.5}, {1, 2}), (4, 7, {2: 0.5}, {0})):
+        cut = piece(recorded, start, stop)
+        read = episode_from(cut.header, cut.arrays)
+        told = [step.decision for step in read.steps]
+        assert {t: each.waited_s for t, each in enumerate(told) if each.waited_s} == waits
+        assert {t for t, each in enumerate(told) if each.broken} == breakdowns
+        assert read.columns.waited_s.sum() == sum(waits.values())
+        # Only where the whole was cut short is the piece.
+        assert read.cut_short_by == (broken if stop == 7 else None)
 
 
 def test_a_whole_episode_stays_as_it_is(store: EpisodeStore) -> None:
