@@ -3,7 +3,7 @@
 import shutil
 import uuid
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from sheath_manip.dataset.compatibility import Alike, RecordedSpec, remarks
 from sheath_manip.dataset.content import content_digest
 from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.header import Header
+from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, split_session
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.renamed import OfSession
@@ -50,16 +51,19 @@ def merge(
 
     What is there with the same content, under whatever session, is not copied again; where another
     episode has the name, as of two recordings by hand of one scene, it becomes one of a session
-    that is named after its content. Raises StoreError, before anything is copied, where episodes
+    that is named after its content. What a person said of an episode goes with it, also to one that
+    is there already and of which nobody has said anything; where both were spoken of, the target's
+    marks stay and a remark tells so. Raises StoreError, before anything is copied, where episodes
     do not fit each other, and where one is damaged. A merge that was cut off can be run again.
     """
     headers = _fitting((target, *sources))
     there = _There(target)
-    plan, held, renamed = list[tuple[EpisodeReader, str]](), 0, list[str]()
+    plan, held, renamed = list[tuple[EpisodeReader, str]](), list[_Held](), list[str]()
     for reader in sources:
         for name in reader.names():
-            if there.has(reader, name):
-                held += 1
+            same = there.same_as(reader, name)
+            if same is not None:
+                held.append(_Held(same, reader.address, reader.marks(name)))
                 continue
             require_sound_episode(reader, name)
             if name in there:
@@ -73,12 +77,35 @@ def merge(
     for reader, name in plan:
         target.copy_from(reader, name)
         report(name)
+    marks_stay = list(_taking_marks_along(held, target)) if isinstance(target, EpisodeStore) else []
     kept = (
         headers.get((reader.address, name)) or reader.header(name)
         for name, reader in there.readers.items()
     )
     told = remarks((header.info.variant, RecordedSpec.of(header)) for header in kept)
-    return Merged(len(plan), held, tuple(renamed), told)
+    return Merged(len(plan), len(held), tuple(renamed), (*told, *marks_stay))
+
+
+@dataclass(frozen=True)
+class _Held:
+    """An episode that need not be copied."""
+
+    name: str
+    """in the target"""
+    source: str
+    """address"""
+    marks: Marks
+    """in the source"""
+
+
+def _taking_marks_along(held: Sequence[_Held], target: EpisodeStore) -> Iterator[str]:
+    """Mark what nobody has marked in the target, and yield what is marked otherwise there."""
+    for each in held:
+        own = target.marks(each.name)
+        if own == Marks():
+            target.mark(each.name, each.marks)
+        elif each.marks not in (Marks(), own):
+            yield f"{each.name} is marked otherwise in {each.source}; {target.path} keeps its marks"
 
 
 class _There:
@@ -98,16 +125,17 @@ class _There:
         self.readers[name] = reader
         self._of_scene[split_session(name)[0]].append(name)
 
-    def has(self, reader: EpisodeReader, name: str) -> bool:
-        """Return whether an episode of the same scene has the content of `name` in `reader`."""
+    def same_as(self, reader: EpisodeReader, name: str) -> str | None:
+        """Return which episode of the same scene has the content of `name` in `reader`, if any."""
         candidates = self._of_scene[split_session(name)[0]]
         # To compare files is far cheaper than to decompress them.
         if name in self and _same_files(reader, self.readers[name], name):
-            return True
+            return name
         if not candidates:
-            return False
+            return None
         digest = content_digest(reader, name)
-        return any(content_digest(self.readers[other], other) == digest for other in candidates)
+        same = (each for each in candidates if content_digest(self.readers[each], each) == digest)
+        return next(same, None)
 
 
 def _fitting(readers: Sequence[EpisodeReader]) -> dict[tuple[str, str], Header]:

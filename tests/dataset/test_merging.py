@@ -120,6 +120,27 @@ class TestByHand:
         assert set(done.renamed) == set(target.names()) - {name.split("/")[0] for name in before}
 
 
+def test_marks_reach_episodes_that_were_there_before(tmp_path: Path) -> None:
+    source, again = filled(tmp_path / "a", [0, 1]), filled(tmp_path / "b", [0, 1])
+    first, second = source.names()
+    target = EpisodeStore.create(tmp_path / "c")
+    merge([source], target)
+    # Marked after the merge, or by a merge that was cut off before it came to the marks.
+    source.mark(first, Marks(bad=((0, 1),)))
+    assert merge([source], target) == Merged(0, 2)
+    assert target.marks(first) == source.marks(first)
+    assert target.marks(second) == Marks()
+    # Of two sources with the same episodes the second may be the marked one.
+    new = EpisodeStore.create(tmp_path / "d")
+    assert merge([again, source], new) == Merged(2, 2)
+    assert new.marks(first) == source.marks(first)
+    # What was said in the target stays, and it is told.
+    target.mark(first, Marks(Outcome.FAILURE))
+    (told,) = (each for each in merge([source], target).remarks if "marked" in each)
+    assert told.startswith(f"{first} is marked otherwise in {source.address}")
+    assert target.marks(first) == Marks(Outcome.FAILURE)
+
+
 def test_equal_content_is_the_same_whenever_it_was_written(tmp_path: Path) -> None:
     first, second = filled(tmp_path / "a", [0]), EpisodeStore.create(tmp_path / "b")
     (name,) = first.names()
