@@ -13,6 +13,7 @@ import numpy as np
 
 from sheath_manip.cockpit import Cockpit, Order, beside_the_policy
 from sheath_manip.cockpit.gate import PersonGate
+from sheath_manip.cockpit.shown import NOTHING, Shown
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.rollout.pacing import Pacing
@@ -78,11 +79,10 @@ class HeardCockpit(Cockpit):
         order: Order,
         station: str | None,
         value: float = 1.0,
-        seen: int | None = None,
-        robot: int | None = None,
+        shown: Shown = NOTHING,
     ) -> bool:
         """Note it, once it was followed."""
-        done = super().order(order, station, value, seen, robot)
+        done = super().order(order, station, value, shown)
         self.heard_s[order] = time.perf_counter()
         return done
 

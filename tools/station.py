@@ -85,7 +85,9 @@ class Station(Closes):
 
     def order(self, order: str, value: float = 1.0) -> None:
         """Give an order, by its name on the wire; it goes by what was last `shown`."""
-        shown = {"seen": self.shown.get("stops"), "robot": self.shown.get("robot") or None}
+        now = self.shown
+        shown = {"seen": now.get("stops"), "robot": now.get("robot") or None}
+        shown["episode"] = now.get("episode")
         self.send({"order": order, "value": value, **shown})
 
     def hold(

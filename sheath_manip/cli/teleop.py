@@ -10,6 +10,7 @@ from sheath_manip.cli.operated import PERSON, Operating
 from sheath_manip.cli.options import WITHOUT_PREFIX, Address, TaskName
 from sheath_manip.cli.session import Session, at_least_one
 from sheath_manip.cockpit.start import UntilTaken
+from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.seeding import scene_seed
 from sheath_manip.task import HOLD, SCRIPTED
 from sheath_manip.types import EpisodeInfo, Purpose, TaskSpec
@@ -44,7 +45,11 @@ class Teleop:
         task = session.runnable(self.task)
         # Nobody else demonstrates: what a person leaves, the robot holds.
         fallback = HOLD if HOLD in task.fallbacks else SCRIPTED
-        operating = Operating(fallback, float("inf"), self.speed, self.spacemouse)
+        # Nor is anybody spared: who takes over often goes on demonstrating.
+        unlimited = RequestConfig()
+        operating = Operating(
+            fallback, float("inf"), self.speed, self.spacemouse, requests=unlimited
+        )
         # Only now: other verbs need no store.
         from sheath_manip.cli.episodes import print_figures, run_all
         from sheath_manip.dataset.sessions import begun, new_session

@@ -14,8 +14,10 @@ from sheath_manip.cockpit.between import Between
 from sheath_manip.cockpit.lease import LOST_AFTER_S, Axes, Lease
 from sheath_manip.cockpit.orders import Order
 from sheath_manip.cockpit.question import Question
+from sheath_manip.cockpit.shown import NOTHING, Shown
 from sheath_manip.cockpit.standing import Ending, Now, Standing
 from sheath_manip.cockpit.state import State
+from sheath_manip.protocols import Environment, Holds
 from sheath_manip.rollout.watch import waiting_on_purpose
 from sheath_manip.types import Actor, Outcome
 from sheath_manip.types.operator_input import EMPTY, Binding, OperatorInput, SixAxes
@@ -91,6 +93,7 @@ class Cockpit:
             speed=standing.speed,
             stopped=standing.stopped,
             stops=standing.stops,
+            episode=standing.episodes,
             taken=standing.taken,
             abandoned=standing.abandoned,
             unready=standing.unready,
@@ -125,19 +128,15 @@ class Cockpit:
         order: Order,
         station: str | None,
         value: float = 1.0,
-        seen: int | None = None,
-        robot: int | None = None,
+        shown: Shown = NOTHING,
     ) -> bool:
         """Do what `station` orders; whether it may. None is the program, which nobody locks out.
 
-        While somebody drives only that one gives orders, but for the emergency stop. `seen` is the
-        number of the newest stop that `station` knew of (`State.stops`): a reset clears no other,
-        and an order to move is void where there was a newer one. It was shown that `robot`.
+        While somebody drives only that one gives orders, but for the emergency stop.
         """
-        del robot  # There is only one here.
         now_s = self._clock()
         return self._follow(
-            lambda now: transitions.follow(now, order, station, now_s, value, seen, self._undo_s)
+            lambda now: transitions.follow(now, order, station, now_s, value, shown, self._undo_s)
         )
 
     def submit_input(self, station: str, operator_input: OperatorInput, age_s: float = 0.0) -> bool:
@@ -162,10 +161,7 @@ class Cockpit:
         self._axes = Axes(self._clock(), axes)
 
     def silence(self, station: str) -> None:
-        """Make nothing that `station` said count any longer.
-
-        It drives again once it is heard again.
-        """
+        """Make nothing that `station` said count until it is heard again."""
         self._follow(lambda standing: transitions.silenced(standing, station))
 
     def leave(self, station: str) -> None:
@@ -267,9 +263,13 @@ class Cockpit:
         if (before.turn, before.asking, before.may_go_on) != (turn, asking, may_go_on):
             self.on_change()
 
-    def wait(self) -> None:
-        """Return at once, or as soon as the run may go on."""
+    def wait(self, environment: Environment | None = None) -> None:
+        """Return at once, or as soon as the run may go on; the environment holds its robot then."""
+        waits = False
         while not (self._hear(transitions.let_on) or self.closed or self.ending is not None):
+            if not waits and isinstance(environment, Holds):
+                environment.hold()
+            waits = True
             self.rest()
 
     def rest(self) -> float:

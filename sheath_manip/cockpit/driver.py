@@ -8,6 +8,7 @@ from sheath_manip.cockpit.gate import WAIT_S, PersonGate
 from sheath_manip.cockpit.operator import beside_the_policy
 from sheath_manip.exceptions import ParameterError
 from sheath_manip.gates.human import HumanGate, Nobody
+from sheath_manip.gates.labels.gate import LabellingGate
 from sheath_manip.gates.patient import FOR_PEOPLE, PatientGate, RequestConfig
 from sheath_manip.protocols import Environment, Holds
 from sheath_manip.rollout.request import Crew, Driver
@@ -45,6 +46,9 @@ class OperatedDriver:
         fallback = task.make_expert(inner, self.fallback)
         hold = fallback if self.hold is None else task.make_expert(inner, self.hold)
         gate, requests = crew.gate, self.requests
+        if isinstance(gate, LabellingGate):
+            # Nobody is asked for a label without driving.
+            gate = gate.gate
         if isinstance(gate, PatientGate):
             gate, requests = gate.gate, gate.config
         if isinstance(gate, HumanGate):
@@ -59,6 +63,7 @@ class OperatedDriver:
             dead_man=self.dead_man,
             fallback_teaches=self.fallback == SCRIPTED,
             stands_still=not isinstance(inner, Holds),
+            hold=inner.hold if isinstance(inner, Holds) else None,
             requests=requests,
         )
         others = beside_the_policy(self.cockpit, task.teleop(inner), hold=hold, fallback=fallback)

@@ -67,6 +67,8 @@ class OperatedEnvironment:
         self._observation = transition.observation
         if transition.terminated or transition.truncated:
             # The episode's own end does not record what is about to be discarded.
+            if self.cockpit.discarding:
+                self.hold()
             while self.cockpit.discarding and not self.cockpit.closed:
                 self.cockpit.rest()
             self._require_kept(discarding=self.cockpit.discarding)
@@ -81,6 +83,8 @@ class OperatedEnvironment:
 
     def _stand_still(self) -> None:
         cockpit, now = self.cockpit, self.cockpit.now()
+        if (now.halted or now.abandoned) and now.ending is None:
+            self.hold()
         while (now.halted or now.abandoned) and now.ending is None:
             cockpit.give_turn(Actor.HOLD, not now.halted, float("inf"), still=True)
             require_attended(now)

@@ -1,6 +1,7 @@
 """A gate around another one: a person may take over, and is asked where the other one wants it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -48,6 +49,7 @@ class PersonGate:
         dead_man: bool = True,
         fallback_teaches: bool = True,
         stands_still: bool = True,
+        hold: Callable[[], None] | None = None,
         requests: RequestConfig = FOR_PEOPLE,
     ) -> None:
         """Store who is asked when, and for how long.
@@ -62,11 +64,13 @@ class PersonGate:
             fallback_teaches: whether what the fallback does is learned from.
             stands_still: whether nothing moves between two steps, as in a simulation; a robot is
                 held step by step while it waits.
+            hold: brings a robot to rest before the loop stands still, where there is one.
             requests: limits on how often the person is asked.
         """
         if not wait_s >= 0:
             raise ParameterError(f"wait_s is {wait_s}; wanted at least 0, such as {WAIT_S:g}")
-        self._patient = PatientGate(gate, requests, session=True)
+        # What breaks down or comes late is a request as well, and counted as one.
+        self._patient = PatientGate(GuardedGate(gate), requests, session=True)
         self.gate = GuardedGate(self._patient)
         self.cockpit = cockpit
         self.wait_s = wait_s
@@ -74,6 +78,7 @@ class PersonGate:
         self.dead_man = dead_man
         self.fallback_teaches = fallback_teaches
         self.stands_still = stands_still
+        self._hold = hold
         self._period_s = 1 / control_rate_hz
         self._waited_s = 0.0
         self._attended = False
@@ -92,11 +97,15 @@ class PersonGate:
         attended, self._attended = self._attended, self._is_attended()
         if attended and not self._attended:
             self._patient.release()
+        # Who has the wheel already is asked nothing.
+        self._patient.counts = not self._attended
         wanted = self.gate.decide(observation, proposal)
         self.cockpit.question = _question(observation, proposal, wanted)
         now = self.cockpit.now()
         turn, reason = self._turn(wanted, now)
         stood_s = 0.0
+        if self._hold is not None and self._still(turn, reason, now) and now.ending is None:
+            self._hold()
         while self._still(turn, reason, now) and now.ending is None:
             require_attended(now)
             rested_s = self.cockpit.rest()

@@ -13,6 +13,8 @@ from sheath_manip.types.operator_input import SixAxes
 DEAD_ZONE = 0.08
 """of each axis' way, which a cap at rest does not leave"""
 _PERIOD_S = 0.01
+MOST_REPORTS = 100
+"""that are read in one go"""
 
 
 class SpaceMouse(Closes):
@@ -37,6 +39,8 @@ class SpaceMouse(Closes):
         # The package's version 1 reads the one open device, version 2 the one that it returned.
         self._device: Any = device if hasattr(device, "read") else pyspacemouse
         self._cockpit = cockpit
+        self._told_at: float | None = None
+        """of the newest report, by the device's package"""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="SpaceMouse", daemon=True)
         self._thread.start()
@@ -49,9 +53,23 @@ class SpaceMouse(Closes):
 
     def _run(self) -> None:
         while not self._closing.wait(_PERIOD_S):
-            state = self._device.read()
+            state = self._newest()
             if state is not None:
                 self._cockpit.turn_axes(six_axes(state))
+
+    def _newest(self) -> Any:
+        """What the device has said since it was last asked; None where it has said nothing.
+
+        Without a new report `read` returns the last one again, also of a device that is out of
+        reach, so that only its time tells. Reports that have queued up are passed over.
+        """
+        newest = None
+        for _ in range(MOST_REPORTS):
+            state = self._device.read()
+            if state is None or state.t == self._told_at:
+                break
+            newest, self._told_at = state, state.t
+        return newest
 
 
 def six_axes(state: Any) -> SixAxes:

@@ -45,6 +45,8 @@ class Standing:
     steps: int = 0
     """single ones that a paused run is still to do"""
     speed: float = 1.0
+    episodes: int = 0
+    """that have begun so far; the present one has this number"""
     ending: Ending | None = None
     """how the person ends the episode, once it was said"""
     discard_at_s: float | None = None

@@ -30,6 +30,8 @@ class State:
     stopped: bool = False
     stops: int = 0
     """emergency stops so far: a reset says this number, and clears none that came later"""
+    episode: int = 0
+    """its number, which an order to end it says"""
     taken: bool = False
     abandoned: bool = False
     """whether who drove was lost or stopped: the robot holds until somebody says who goes on"""

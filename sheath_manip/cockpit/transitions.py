@@ -1,7 +1,8 @@
 """What each order makes of how things stand: pure functions, applied at once and one at a time.
 
 Nothing waits in a queue, so no order can overtake another one. An order to move that comes of a
-page which has not seen the newest emergency stop is void, however long it was under way.
+page which has not seen the newest emergency stop is void, however long it was under way, and so is
+one to end an episode that is over.
 """
 
 from dataclasses import replace
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from sheath_manip.cockpit.lease import NOBODY, Lease
 from sheath_manip.cockpit.orders import OF_ANY_RUN, Order, clamped_speed
+from sheath_manip.cockpit.shown import NOTHING, Shown
 from sheath_manip.cockpit.standing import Ending, Standing
 from sheath_manip.types.operator_input import OperatorInput
 
@@ -30,18 +32,17 @@ def follow(
     station: str | None,
     now_s: float,
     value: float = 1.0,
-    seen: int | None = None,
+    shown: Shown = NOTHING,
     undo_s: float = UNDO_S,
 ) -> Standing | None:
     """Return how things stand once `station` has ordered that; None where it may not.
 
     `station` is None for the program itself, which nobody locks out. `value` goes with a speed, and
-    `seen` is the number of the newest stop that `station` knew of, and `undo_s` is the time in
-    which a discard may be called off.
+    `undo_s` is the time in which a discard may be called off.
     """
     if order is Order.STOP:
         return _stopped(standing) if standing.operated else None
-    if not _may(standing, order, station, seen):
+    if not _may(standing, order, station, shown):
         return None
     if order in _ENDINGS:
         return replace(standing, ending=_ENDINGS[order], discard_at_s=None)
@@ -78,15 +79,15 @@ def _stopped(standing: Standing) -> Standing:
     )
 
 
-def _may(standing: Standing, order: Order, station: str | None, seen: int | None) -> bool:
+def _may(standing: Standing, order: Order, station: str | None, shown: Shown) -> bool:
     if station is not None and standing.lease.holder not in (None, station):
         return False
     if not standing.operated and order not in OF_ANY_RUN:
         return False
-    behind = seen is not None and seen != standing.stops
+    behind = shown.stops not in (None, standing.stops)
     match order:
         case Order.RESET:
-            return standing.stopped and seen == standing.stops
+            return standing.stopped and shown.stops == standing.stops
         case Order.HAND_BACK:
             return not behind and (standing.taken or standing.abandoned)
         case Order.RESUME | Order.TAKE_OVER:
@@ -95,6 +96,9 @@ def _may(standing: Standing, order: Order, station: str | None, seen: int | None
             return standing.paused and not (behind or standing.stopped)
         case Order.CALL_OFF:
             return standing.discard_at_s is not None
+        case Order.SUCCESS | Order.FAILURE | Order.SAVE | Order.DISCARD:
+            # One that ended by itself in that moment is over; the next has hardly begun.
+            return shown.episode in (None, standing.episodes)
         case _:
             return True
 
@@ -156,4 +160,10 @@ def let_on(standing: Standing) -> Standing | None:
 def begun(standing: Standing) -> Standing:
     """A new episode; who drives goes on with the next key, and who is lost or stopped stays so."""
     lease = standing.lease.untouched()
-    return replace(standing, ending=None, discard_at_s=None, lease=lease)
+    return replace(
+        standing,
+        episodes=standing.episodes + 1,
+        ending=None,
+        discard_at_s=None,
+        lease=lease,
+    )

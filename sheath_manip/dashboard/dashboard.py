@@ -1,8 +1,10 @@
 """The live page of a run: a listener that copies what happens, and a thread that draws it."""
 
 import contextlib
+import math
 import sys
 import threading
+import time
 
 import viser
 
@@ -65,6 +67,8 @@ class Dashboard(Closes):
         self.cockpit = cockpit or Cockpit()
         self.saved_in = ""
         """where the run is recorded, for the page to say at its end"""
+        self._blind_since_s = math.inf
+        """since when nothing more is heard of the episode"""
         label = f"sheath · {spec.name}"
         seeking = SeekSocket()
         self._server = GuardedServer.open(
@@ -128,18 +132,23 @@ class Dashboard(Closes):
 
     def on_start(self, environment: Environment, info: EpisodeInfo) -> None:
         """Show the new episode's scene; blocks while the person holds the run paused."""
+        self._blind_since_s = math.inf
         self._film = film_begun(environment, info)
         self._playhead.load(self._film)
         self.cockpit.between.note_episode(runs=True)
         # Else a run that was paused, or stopped and reset, between two episodes would begin.
-        self.cockpit.wait()
+        self.cockpit.wait(environment)
 
     def on_step(self, environment: Environment, step: Step) -> None:
         """Take note of the step; blocks while the person holds the run paused."""
         assert self._film is not None, "on_start comes before on_step"
         self._film.append(step, pose_of(environment))
         self._drawer.wake()
-        self.cockpit.wait()
+        self.cockpit.wait(environment)
+
+    def on_dropped(self) -> None:
+        """Know that the page stands still: nobody may drive by it."""
+        self._blind_since_s = time.monotonic()
 
     def on_end(self, episode: Episode) -> None:
         """Show how the episode ended."""
@@ -198,8 +207,8 @@ class Dashboard(Closes):
         return client_id is None or holder in (None, station_of(client_id))
 
     def _true_s(self) -> float:
-        """Up to when the page is true: what is drawn, and what is known of the loop."""
-        return min(self._drawer.true_s, self.cockpit.true_s)
+        """Up to when the page is true: what is drawn, what is known of the loop and heard of it."""
+        return min(self._drawer.true_s, self.cockpit.true_s, self._blind_since_s)
 
     def _question(self) -> Question | None:
         """What the run stands still before, since the gate asks for a person."""

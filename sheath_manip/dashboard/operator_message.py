@@ -6,6 +6,7 @@ import msgspec
 from msgspec import Meta
 
 from sheath_manip.cockpit import Gamepad, OperatorInput, Order
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.types.operator_input import MOST_KEYS
 
 LONGEST_MESSAGE = 2048
@@ -41,6 +42,13 @@ class OperatorMessage(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """with an order: the number of the newest emergency stop that the station was shown"""
     robot: Annotated[int, Meta(ge=0)] | None = None
     """with an order: the number of the robot that the station was shown"""
+    episode: Annotated[int, Meta(ge=0)] | None = None
+    """with an order: the number of the episode that the station was shown"""
+
+    @property
+    def shown(self) -> Shown:
+        """What the station was shown when it gave its order."""
+        return Shown(self.seen, self.robot, self.episode)
 
     def input(self, codes: set[str]) -> OperatorInput | None:
         """Return what is held, of the keys `codes` that drive.

@@ -171,7 +171,7 @@ class OperatorSocket:
     def _follow(self, station: str, said: OperatorMessage) -> None:
         if said.order is not None and math.isfinite(said.value):
             meant = self._meant(said.order)
-            self.cockpit.order(meant, station, said.value, said.seen, said.robot)
+            self.cockpit.order(meant, station, said.value, said.shown)
 
     def _meant(self, order: Order) -> Order:
         """One key pauses and resumes."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sheath_manip.cockpit import Cockpit, OperatorInput, Order, SixAxes
 from sheath_manip.cockpit.between import Pastime
 from sheath_manip.cockpit.orders import OF_ANY_RUN
+from sheath_manip.cockpit.shown import NOTHING, Shown
 from sheath_manip.cockpit.standing import Standing
 from sheath_manip.cockpit.state import State
 from sheath_manip.fleet.from_robot import FromRobot
@@ -100,23 +101,22 @@ class FleetCockpit(Cockpit):
         order: Order,
         station: str | None,
         value: float = 1.0,
-        seen: int | None = None,
-        robot: int | None = None,
+        shown: Shown = NOTHING,
     ) -> bool:
         """Do what `station` orders: with all robots, or with the one shown, if it saw that one."""
         with self._at_desk:
             if order in _OF_ALL:
-                if not super().order(order, station, value, seen):
+                if not super().order(order, station, value, shown):
                     return False
                 for each in self.roster.seats:
-                    each.tell(Ordered(order, None, value, seen))
+                    each.tell(Ordered(order, None, value, shown))
                 return True
             if order in (Order.CHOOSE, Order.NEXT):
                 return self._choose(order, value)
-            elsewhere = robot not in (None, self.roster.shown.number)
+            elsewhere = shown.robot not in (None, self.roster.shown.number)
             if elsewhere or not (station is None or self.lease.holder in (None, station)):
                 return False
-            return self._serve(order, station, value, seen)
+            return self._serve(order, station, value, shown)
 
     def submit_input(self, station: str, operator_input: OperatorInput, age_s: float = 0.0) -> bool:
         """Pass on what the devices of `station` said `age_s` ago; whether it drives."""
@@ -205,24 +205,27 @@ class FleetCockpit(Cockpit):
         self.on_change()
 
     # Both, at the desk.
-    def _serve(self, order: Order, station: str | None, value: float, seen: int | None) -> bool:
+    def _serve(self, order: Order, station: str | None, value: float, shown: Shown) -> bool:
         seat = self.roster.shown
         if order is Order.TAKE_OVER:
+            if seat.report is None:
+                # It starts: what it is told now it does not hear, or is told otherwise next.
+                return False
             last = self._last_driver
             # Its own cockpit may not have noticed yet that it was lost.
             if last is not None and last != (station, seat):
                 last[1].tell(Gone(last[0]))
-            if station is None or not super().order(order, station, value, seen):
+            if station is None or not super().order(order, station, value, shown):
                 return False
             self._last_driver = station, seat
         elif order is Order.HAND_BACK:
-            super().order(order, station, value, seen)
+            super().order(order, station, value, shown)
         if order in (Order.TAKE_OVER, Order.HAND_BACK) and not self._begun:
             self._begun = True
             seat.told_to_begin = order is Order.TAKE_OVER
             for each in self.roster.seats:
                 self._let_begin(each)
-        seat.tell(Ordered(order, station, value, seen))
+        seat.tell(Ordered(order, station, value, shown))
         if order is Order.HAND_BACK:
             self.roster.handed_back()
         self.on_change()

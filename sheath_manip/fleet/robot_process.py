@@ -25,6 +25,7 @@ from sheath_manip.fleet.outbox import Outbox
 from sheath_manip.playback.film import film_begun, pose_of
 from sheath_manip.protocols import Environment
 from sheath_manip.rollout.pacing import Pacing
+from sheath_manip.rollout.request import Driver
 from sheath_manip.rollout.threads import single_threaded
 from sheath_manip.rollout.worker import Answer, Errand, answer_of, end_with_parent
 from sheath_manip.rollout.workplace import Workplace
@@ -51,10 +52,15 @@ def serve_robot(connection: Connection, post: Post) -> None:
         UntilReady(cockpit),
         Pacing(post.speed, lambda: cockpit.speed),
     )
+    asked_driver: Driver | None = None
+    driver: Driver | None = None
     with single_threaded(), Workplace() as workplace:
         while (errand := errands.get()) is not None:
             asked = errand.request
-            request = replace(asked, task=task, driver=post.driver(asked.driver, cockpit))
+            if driver is None or asked.driver != asked_driver:
+                # Kept from episode to episode: a minute of requests does not end with one.
+                asked_driver, driver = asked.driver, post.driver(asked.driver, cockpit)
+            request = replace(asked, task=task, driver=driver)
             with _reporting(cockpit, outbox):
                 outbox.put(answer_of(partial(_run, workplace, request, listeners)))
 
@@ -76,6 +82,9 @@ def _listen(
             else:
                 said.act_on(cockpit)
     except (EOFError, OSError):
+        pass
+    finally:
+        # Also where something was said that cannot be read: nobody hears any longer.
         cockpit.order(Order.STOP, station=None)
         errands.put(None)
 
@@ -124,12 +133,12 @@ class _Telling:
         film = film_begun(environment, info)
         self._outbox.put(Begun(info, film.scene, film.first_pose, film.lacks))
         self._cockpit.between.note_episode(runs=True)
-        self._cockpit.wait()
+        self._cockpit.wait(environment)
 
     def on_step(self, environment: Environment, step: Step) -> None:
         """Tell of the step; blocks while the run is paused."""
         self._outbox.put(Stepped(step, pose_of(environment)))
-        self._cockpit.wait()
+        self._cockpit.wait(environment)
 
     def on_end(self, episode: Episode) -> None:
         """Tell of the whole episode."""

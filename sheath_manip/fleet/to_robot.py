@@ -10,6 +10,7 @@ from typing import Protocol
 from numpy.typing import NDArray
 
 from sheath_manip.cockpit import Cockpit, OperatorInput, Order, SixAxes
+from sheath_manip.cockpit.shown import NOTHING, Shown
 
 
 class ToRobot(Protocol):
@@ -27,11 +28,11 @@ class Ordered:
     order: Order
     station: str | None
     value: float = 1.0
-    seen: int | None = None
+    shown: Shown = NOTHING
 
     def act_on(self, cockpit: Cockpit) -> None:
         """Order it there, where it may still be void: the robot has the last word."""
-        cockpit.order(self.order, self.station, self.value, self.seen)
+        cockpit.order(self.order, self.station, self.value, self.shown)
 
 
 @dataclass(frozen=True, eq=False)

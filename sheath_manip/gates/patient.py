@@ -63,6 +63,8 @@ class PatientGate:
         self.gate = gate
         self.config = config
         self.session = session
+        self.counts = True
+        """whether an alarm asks anybody: who drives already is asked nothing"""
         self._before_s = 0.0
         """of the session, when the episode began"""
         self._now_s = 0.0
@@ -92,11 +94,12 @@ class PatientGate:
             if decision.reason is Reason.HOLD:
                 # No alarm, and who drove has handed back.
                 return replace(decision, actor=Actor.POLICY, query=False, reason=Reason.PERSON)
-            if self._spent(now_s):
+            if self.counts and self._spent(now_s):
                 return replace(decision, actor=Actor.EXPERT, query=True, reason=Reason.SPARED)
             self._since_s = now_s
-            self._requests_s.append(now_s)
-            self._in_episode += 1
+            if self.counts:
+                self._requests_s.append(now_s)
+                self._in_episode += 1
             return decision
         if self._since_s is None:
             return decision

@@ -32,6 +32,7 @@ from sheath_manip.protocols.learning import (
     TrainablePolicy,
 )
 from sheath_manip.protocols.listening import (
+    DropsOut,
     HeadwayListener,
     Keeps,
     Listener,
@@ -42,6 +43,7 @@ from sheath_manip.protocols.listening import (
 __all__ = [
     "Agreement",
     "Arrays",
+    "DropsOut",
     "Embedding",
     "Environment",
     "Expert",

@@ -36,6 +36,15 @@ class Listener(Protocol):
 
 
 @runtime_checkable
+class DropsOut(Protocol):
+    """A listener that must know that it has failed: what it shows stands still from then on."""
+
+    def on_dropped(self) -> None:
+        """Called once it is left out for the rest of the episode."""
+        ...
+
+
+@runtime_checkable
 class WorkListener(Protocol):
     """A listener that wants to know what is done while no episode runs."""
 

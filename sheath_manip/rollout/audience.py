@@ -2,11 +2,12 @@
 
 import logging
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from sheath_manip.exceptions import AttemptError, SheathError
-from sheath_manip.protocols import Environment, Keeps, Listener
+from sheath_manip.protocols import DropsOut, Environment, Keeps, Listener
 from sheath_manip.rollout.guard import BrokenError, ask, name_of
 from sheath_manip.rollout.watch import waiting_on_purpose
 from sheath_manip.types import Episode, EpisodeInfo, Step
@@ -68,6 +69,9 @@ class Audience:
                 raise
             self._listeners.remove(each)
             logger.warning("%s; the run goes on without it", error)
+            if isinstance(each.listener, DropsOut):
+                with suppress(BrokenError):
+                    ask(each.who, each.listener.on_dropped)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from hypothesis import event
 
 from sheath_manip.cockpit import Cockpit, OperatorInput, Order, PersonGate
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.exceptions import UnattendedError
 from sheath_manip.gates.patient import RequestConfig
 from sheath_manip.types import Actor, GateDecision, Observation, Proposal, Reason
@@ -160,7 +161,7 @@ class PromisedCockpit:
             if self.driver == station and age_s <= LOST_AFTER_S:
                 self.held, self.heard_s = what, extra
         else:
-            self.cockpit.order(what, station, seen=extra)
+            self.cockpit.order(what, station, shown=Shown(stops=extra))
             self._follow(station, what, extra)
 
     def _follow(self, station: str, order: Order, seen: int | None) -> None:

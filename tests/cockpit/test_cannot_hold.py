@@ -12,6 +12,7 @@ from sheath_manip.cockpit import (
     PersonGate,
     beside_the_policy,
 )
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.exceptions import UnattendedError
 from sheath_manip.gates import AlwaysExpert, AlwaysPolicy
 from sheath_manip.protocols import Expert, Gate
@@ -116,8 +117,8 @@ def test_what_cannot_hold_takes_no_last_step_after_a_stop(wrap):
 @pytest.mark.parametrize("wrap", [True, False], ids=["person's gate", "bare gate"])
 def test_what_cannot_hold_goes_on_after_reset_and_resume(wrap):
     def reset(page: Cockpit) -> None:
-        page.order(Order.RESET, "page", seen=page.state.stops)
-        page.order(Order.RESUME, "page", seen=page.state.stops)
+        page.order(Order.RESET, "page", shown=Shown(stops=page.state.stops))
+        page.order(Order.RESUME, "page", shown=Shown(stops=page.state.stops))
 
     episode = cannot_hold(
         AlwaysPolicy(), lambda page: page.order(Order.STOP, "page"), reset, wrap=wrap

@@ -1,5 +1,6 @@
 """Orders, lease and input, without page and without robot; time is the test's."""
 
+import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -9,10 +10,13 @@ from sheath_manip.cockpit import Cockpit, OperatorInput, Order
 from sheath_manip.cockpit.cockpit import Ending
 from sheath_manip.cockpit.lease import FREE_AFTER_S, LOST_AFTER_S
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.cockpit.transitions import MOST_STEPS, UNDO_S, let_on
 from sheath_manip.types import Outcome
 from sheath_manip.types.operator_input import Binding
 from tests.cockpit.clock import Clock
+from tests.toy import Corridor
+from tests.waiting import DEADLINE_S, eventually
 
 GUIDE = (Binding(("KeyI",), "on"),)
 KEYS = OperatorInput(keys=frozenset({"KeyI"}))
@@ -85,7 +89,7 @@ def test_anyone_may_stop_and_the_stop_is_latched(cockpit):
     assert cockpit.now().stopped
     cockpit.order(Order.HAND_BACK, "one")
     assert cockpit.now().stopped
-    assert cockpit.order(Order.RESET, "two", seen=1)
+    assert cockpit.order(Order.RESET, "two", shown=Shown(stops=1))
     assert not cockpit.now().stopped
     # A reset by itself moves nothing.
     assert cockpit.paused
@@ -96,9 +100,41 @@ def test_anyone_may_stop_and_the_stop_is_latched(cockpit):
     assert not cockpit.now().halted
 
 
+@pytest.mark.parametrize("order", [Order.SUCCESS, Order.FAILURE, Order.SAVE, Order.DISCARD])
+def test_who_ends_an_episode_that_is_over_does_not_end_the_next(cockpit, order):
+    cockpit.begin_episode()
+    shown = Shown(episode=cockpit.state.episode)
+    cockpit.begin_episode()
+    assert not cockpit.order(order, "one", shown=shown)
+    assert cockpit.ending is None
+    assert not cockpit.discarding
+    assert cockpit.order(order, "one", shown=Shown(episode=cockpit.state.episode))
+    assert cockpit.ending is not None or cockpit.discarding
+
+
+def test_a_robot_is_held_where_the_loop_waits(cockpit):
+    class Robot(Corridor):
+        held = 0
+
+        def hold(self) -> None:
+            self.held += 1
+
+    robot = Robot()
+    cockpit.wait(robot)
+    assert robot.held == 0
+    cockpit.pause()
+    waiting = threading.Thread(target=cockpit.wait, args=(robot,), daemon=True)
+    waiting.start()
+    assert eventually(lambda: robot.held == 1)
+    cockpit.resume()
+    waiting.join(DEADLINE_S)
+    assert not waiting.is_alive()
+    assert robot.held == 1
+
+
 def test_a_reset_without_a_stop_does_nothing(cockpit):
     for seen in (None, 0, 1):
-        assert not cockpit.order(Order.RESET, "one", seen=seen)
+        assert not cockpit.order(Order.RESET, "one", shown=Shown(stops=seen))
     cockpit.now()
     assert not cockpit.paused
 
@@ -108,24 +144,24 @@ def test_a_reset_clears_only_the_stop_that_its_giver_has_seen(cockpit, seen):
     cockpit.order(Order.STOP, "one")
     assert cockpit.state.stops == 1
     cockpit.order(Order.STOP, "two")
-    assert not cockpit.order(Order.RESET, "one", seen=seen)
+    assert not cockpit.order(Order.RESET, "one", shown=Shown(stops=seen))
     assert cockpit.now().stopped
-    assert cockpit.order(Order.RESET, "one", seen=2)
+    assert cockpit.order(Order.RESET, "one", shown=Shown(stops=2))
     assert not cockpit.now().stopped
 
 
 def test_stop_reset_resume_stop_in_one_breath_ends_stopped(cockpit):
     cockpit.order(Order.STOP, "one")
-    assert cockpit.order(Order.RESET, "one", seen=1)
-    assert cockpit.order(Order.RESUME, "one", seen=1)
+    assert cockpit.order(Order.RESET, "one", shown=Shown(stops=1))
+    assert cockpit.order(Order.RESUME, "one", shown=Shown(stops=1))
     cockpit.order(Order.STOP, "one")
     # What was under way meanwhile is void.
     for order in (Order.RESET, Order.RESUME, Order.STEP, Order.TAKE_OVER, Order.HAND_BACK):
-        assert not cockpit.order(order, "two", seen=1)
+        assert not cockpit.order(order, "two", shown=Shown(stops=1))
     now = cockpit.now()
     assert now.stopped
     assert now.halted
-    assert cockpit.order(Order.RESET, "one", seen=2)
+    assert cockpit.order(Order.RESET, "one", shown=Shown(stops=2))
     assert cockpit.paused
 
 
@@ -135,18 +171,18 @@ def test_a_stop_voids_steps_takeover_and_resume(cockpit):
     cockpit.order(Order.STEP, "one")
     cockpit.order(Order.STOP, "two")
     for order in (Order.RESUME, Order.STEP, Order.TAKE_OVER):
-        assert not cockpit.order(order, "one", seen=1)
+        assert not cockpit.order(order, "one", shown=Shown(stops=1))
     assert not cockpit.submit_input("one", KEYS)
-    cockpit.order(Order.RESET, "two", seen=1)
+    cockpit.order(Order.RESET, "two", shown=Shown(stops=1))
     now = cockpit.now()
     assert now.halted
     assert now.abandoned
     assert not now.taken
     # Exactly the one step that was ordered after the reset.
-    assert cockpit.order(Order.STEP, "two", seen=1)
+    assert cockpit.order(Order.STEP, "two", shown=Shown(stops=1))
     assert not cockpit.now().halted
     assert cockpit._standing.steps == 0
-    assert cockpit.order(Order.TAKE_OVER, "one", seen=1)
+    assert cockpit.order(Order.TAKE_OVER, "one", shown=Shown(stops=1))
     assert cockpit.now().taken
 
 

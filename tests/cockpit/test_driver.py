@@ -1,17 +1,22 @@
 """Any driver with a person beside it: who may act then, and under which gate."""
 
+import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from sheath_manip.cockpit import Cockpit, OperatedEnvironment, Operator, PersonGate
+from sheath_manip.cockpit import Cockpit, OperatedEnvironment, Operator, Order, PersonGate
 from sheath_manip.cockpit.driver import OperatedDriver
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.controllers.hold import Hold
 from sheath_manip.exceptions import ParameterError, UnknownNameError
 from sheath_manip.gates import AlwaysPolicy, HumanGate
+from sheath_manip.gates.labels.every_step import EveryStep
+from sheath_manip.gates.labels.gate import LabellingGate
 from sheath_manip.gates.patient import FOR_PEOPLE, PatientGate, RequestConfig
 from sheath_manip.learning.drivers import ExpertAlone, GivenPolicy
+from sheath_manip.rollout.deciding import GuardedGate
 from sheath_manip.rollout.request import Crew, EpisodeRequest
 from sheath_manip.rollout.simulated_operator import OperatorConfig
 from sheath_manip.rollout.workplace import Workplace
@@ -19,6 +24,7 @@ from sheath_manip.task import SCRIPTED
 from sheath_manip.types import Actor, EpisodeInfo, Observation, Proposal, Purpose
 from tests.contracts.test_gates import watching
 from tests.toy import CORRIDOR, Corridor, MiddleKeeper, teleop
+from tests.waiting import DEADLINE_S, eventually
 from tools.scripted_person import Absent
 
 STRAIGHT = GivenPolicy(Absent(lambda: np.zeros(1, np.float32)))
@@ -68,8 +74,37 @@ def test_where_the_expert_is_asked_for_and_nobody_comes(cockpit, wait_s):
 class Robot(Corridor):
     """One that is brought to rest, as no simulation need be."""
 
+    held = 0
+
     def hold(self) -> None:
-        pass
+        self.held += 1
+
+
+@pytest.mark.parametrize("gated", [True, False])
+def test_a_robot_is_brought_to_rest_where_a_stop_makes_the_loop_stand_still(cockpit, gated):
+    robot = Robot()
+    environment = OperatedEnvironment(robot, cockpit)
+    seen = environment.reset(3)
+    # Without a controller that holds it: the loop stands still under the gate, too.
+    gate = OperatedDriver(STRAIGHT, cockpit).crew(CORRIDOR, environment).gate
+    gate.reset(np.random.default_rng(0))
+    cockpit.gated = gated
+    cockpit.order(Order.STOP, "page")
+    assert robot.held == 0
+
+    def step() -> None:
+        if gated:
+            gate.decide(seen, Proposal(np.zeros((1, 1), np.float32)))
+        environment.step(np.zeros(1, np.float32))
+
+    stepping = threading.Thread(target=step, daemon=True)
+    stepping.start()
+    assert eventually(lambda: robot.held == 1)
+    assert cockpit.order(Order.RESET, "page", shown=Shown(stops=1))
+    assert cockpit.order(Order.RESUME, "page")
+    stepping.join(DEADLINE_S)
+    assert not stepping.is_alive()
+    assert robot.held == 1
 
 
 def test_a_robot_is_held_step_by_step_while_it_waits(cockpit):
@@ -91,14 +126,20 @@ class Limited:
 
 def test_the_limits_on_requests_are_the_gates_own_where_it_has_some(cockpit):
     own = RequestConfig(turn_s=7.0)
-    for gate, limits in ((AlwaysPolicy(), FOR_PEOPLE), (PatientGate(AlwaysPolicy(), own), own)):
+    patient = PatientGate(AlwaysPolicy(), own)
+    for gate, limits in (
+        (AlwaysPolicy(), FOR_PEOPLE),
+        (patient, own),
+        (LabellingGate(patient, [EveryStep()]), own),
+    ):
         made = OperatedDriver(Limited(gate), cockpit).crew(CORRIDOR, Corridor()).gate
         assert isinstance(made, PersonGate)
         patient = made.gate.gate
         assert isinstance(patient, PatientGate)
         assert patient.config == limits
         assert patient.session
-        assert isinstance(patient.gate, AlwaysPolicy)
+        assert isinstance(patient.gate, GuardedGate)
+        assert isinstance(patient.gate.gate, AlwaysPolicy)
 
 
 def test_with_a_person_there_nobody_is_simulated_beside(cockpit):

@@ -5,6 +5,7 @@ import pytest
 
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, Order, PersonGate, beside_the_policy
 from sheath_manip.cockpit.lease import LOST_AFTER_S
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.protocols import Gate
 from sheath_manip.rollout.loop import rollout
@@ -56,7 +57,7 @@ def test_after_a_loss_the_next_episode_holds_too_until_somebody_says_who_goes_on
 
 def test_the_stop_acts_on_the_next_step_and_needs_a_reset_and_a_new_takeover():
     def reset(page: Cockpit) -> None:
-        page.order(Order.RESET, "page", seen=page.state.stops)
+        page.order(Order.RESET, "page", shown=Shown(stops=page.state.stops))
         page.order(Order.RESUME, "page")
 
     script = {3: take, 5: lambda page: page.order(Order.STOP, "a watcher"), 9: reset, 10: take}
@@ -78,7 +79,7 @@ def test_a_stop_and_its_reset_between_two_looks_of_the_loop_still_halt_it():
     assert gate.decide(seen, proposal).actor is Actor.POLICY
     cockpit.wait()
     cockpit.order(Order.STOP, "page")
-    cockpit.order(Order.RESET, "page", seen=1)
+    cockpit.order(Order.RESET, "page", shown=Shown(stops=1))
     assert gate.decide(seen, proposal).reason is Reason.EMERGENCY_STOP
     cockpit.order(Order.RESUME, "page")
     assert gate.decide(seen, proposal).actor is Actor.POLICY

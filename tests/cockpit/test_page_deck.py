@@ -6,6 +6,7 @@ import pytest
 from playwright.sync_api import Locator, Page
 
 from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.types import Actor
 from sheath_manip.types.work import Work
@@ -144,7 +145,7 @@ def test_keys_say_what_another_alphabet_has_printed_on_them(cockpit, opened):
     opened.keyboard.press("t")
     opened.get_by_role("button", name="О: left").wait_for()
     cockpit.order(Order.STOP, "the test")
-    cockpit.order(Order.RESET, "the test", seen=cockpit.state.stops)
+    cockpit.order(Order.RESET, "the test", shown=Shown(stops=cockpit.state.stops))
     cockpit.resume()
     wait_until(lambda: "Е takes over" in notice(opened), "the letter", opened)
     cockpit.order(Order.HAND_BACK, "the test")

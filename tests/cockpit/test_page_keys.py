@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Page
 
 from sheath_manip.cockpit import Cockpit, Order
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.access import AccessControl
 from tests.browser import SIZES, resize
@@ -47,7 +48,7 @@ def taken(cockpit, opened) -> Iterator[Page]:
     wait_until(lambda: cockpit.state.taken, "takeover", opened)
     yield opened
     cockpit.order(Order.STOP, "the test")
-    cockpit.order(Order.RESET, "the test", seen=cockpit.state.stops)
+    cockpit.order(Order.RESET, "the test", shown=Shown(stops=cockpit.state.stops))
     cockpit.resume()
     cockpit.order(Order.HAND_BACK, "the test")
     # What a page orders that has not seen the newest stop is void.

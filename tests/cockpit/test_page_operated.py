@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from sheath_manip.cockpit import Order
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.dashboard.widgets.tool_gizmo import SHARE_OF_VIEW
 from sheath_manip.types import Actor, Reason
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
@@ -46,7 +47,7 @@ def grasp(running, opened) -> Iterator[OperatedGrasp]:
     opened.keyboard.up("i")
     running.inside = True
     cockpit = running.cockpit
-    cockpit.order(Order.RESET, "the test", seen=cockpit.state.stops)
+    cockpit.order(Order.RESET, "the test", shown=Shown(stops=cockpit.state.stops))
     cockpit.resume()
     # Also where who drove has left without handing back.
     holder = cockpit.lease.holder or "the test"

@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from sheath_manip.cockpit import Cockpit, Order, PersonGate
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.types import Actor, Observation, Proposal
 from sheath_manip.types.operator_input import Binding
@@ -50,9 +51,9 @@ def test_no_stop_is_lost_and_nothing_moves_that_nobody_has_reset(monkeypatch):
             # Said before it is done: the loop may look in between.
             reset.add(seen)
             newest = cockpit.state.stops
-            if cockpit.order(Order.RESET, station, seen=seen) and newest > seen:
+            if cockpit.order(Order.RESET, station, shown=Shown(stops=seen)) and newest > seen:
                 wrong.append(newest)
-            cockpit.order(Order.RESUME, station, seen=seen)
+            cockpit.order(Order.RESUME, station, shown=Shown(stops=seen))
         cockpit.order(Order.STOP, station)
         pressed.add(cockpit.state.stops)
 

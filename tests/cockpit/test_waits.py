@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from sheath_manip.cockpit import Cockpit, OperatedEnvironment, Order, PersonGate, beside_the_policy
+from sheath_manip.gates import AlwaysPolicy
 from sheath_manip.gates.patient import RequestConfig
+from sheath_manip.protocols import Gate
 from sheath_manip.rollout.asked import asked_in
 from sheath_manip.rollout.loop import rollout
 from sheath_manip.types import Actor, Episode, Outcome, Reason
@@ -41,14 +43,20 @@ class Waiting(Cockpit):
 
 
 def run(
-    waits: Script, steps: Script | None = None, alarms=(3, 6), requests=ALARMS, **options
+    waits: Script,
+    steps: Script | None = None,
+    alarms=(3, 6),
+    requests=ALARMS,
+    gate: Gate | None = None,
+    **options,
 ) -> Episode:
     clock = Clock()
+    gate = gate or outside_between(*alarms)
     cockpit, environment = Waiting(clock, waits), Corridor()
     return rollout(
         OperatedEnvironment(environment, cockpit),
         INFO,
-        PersonGate(outside_between(*alarms), cockpit, 50.0, requests=requests, **options),
+        PersonGate(gate, cockpit, 50.0, requests=requests, **options),
         rng=np.random.default_rng(0),
         policy=STRAIGHT,
         others=beside_the_policy(
@@ -118,6 +126,27 @@ def test_where_nobody_may_be_asked_any_more_the_fallback_acts_and_says_so():
     asked = asked_in(episode)
     assert asked.requests == 1
     assert asked.turns_s == (pytest.approx(3 * PERIOD_S),)
+
+
+def test_an_alarm_under_ones_own_hand_is_no_request():
+    limits = RequestConfig(an_episode=1)
+    # Taken over unasked, two steps before the gate would have asked.
+    episode = run({}, {1: take, 7: hand_back}, (3, 9), requests=limits, wait_s=1.0)
+    assert reasons(episode)[1:7] == [Reason.PERSON] * 6
+    assert reasons(episode)[7] is Reason.NO_ANSWER
+    assert episode.steps[7].decision.waited_s == 1.0
+
+
+def test_a_gate_that_breaks_down_asks_no_more_often_than_another():
+    class Broken(AlwaysPolicy):
+        def decide(self, observation, proposal):
+            del observation, proposal
+            raise ValueError("no gate")
+
+    limits = RequestConfig(an_episode=1)
+    episode = run({2: take}, {4: hand_back}, requests=limits, gate=Broken())
+    assert asked_in(episode).requests == 1
+    assert set(reasons(episode)[4:]) == {Reason.SPARED}
 
 
 def test_the_page_says_when_the_policy_may_go_on():

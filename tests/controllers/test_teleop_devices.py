@@ -1,6 +1,7 @@
 """What each device makes of what a page may send, which is anything."""
 
 import sys
+import time
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -173,11 +174,18 @@ def test_a_spacemouse_in_the_world_frame():
     assert six_axes(state).buttons == (False, False)
 
 
-def test_a_spacemouse_drives_for_who_has_taken_over(monkeypatch):
+def test_a_spacemouse_drives_for_who_has_taken_over_as_long_as_it_reports(monkeypatch):
     state = reading(z=-0.5)
-    state.buttons = [1, 0]
-    closed = []
-    device = SimpleNamespace(read=lambda: state, close=lambda: closed.append(True))
+    state.buttons, state.t = [1, 0], 0.0
+    reports, closed = True, []
+
+    def read():
+        # As the package does: without a new report it returns the last one, and its time.
+        if reports:
+            state.t = time.monotonic() // 0.02
+        return state
+
+    device = SimpleNamespace(read=read, close=lambda: closed.append(True))
     module = ModuleType("pyspacemouse")
     module.open = lambda: device  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "pyspacemouse", module)
@@ -193,7 +201,28 @@ def test_a_spacemouse_drives_for_who_has_taken_over(monkeypatch):
         assert eventually(driven)
         action = arm().action(cockpit.input)
         np.testing.assert_allclose(action, [0, 0, -0.5, 0, 0, 0, 1], atol=1e-6)
+        # Out of reach with its cap pressed: the arm holds.
+        reports = False
+        assert eventually(lambda: not driven())
+        assert not any(driven() for _ in range(5))
     assert closed == [True]
+
+
+def test_reports_of_a_spacemouse_that_have_queued_up_are_passed_over(monkeypatch):
+    queue = [reading(z=each / 10) for each in range(1, 8)]
+    for at, each in enumerate(queue):
+        each.buttons, each.t = [0, 0], float(at)
+    last = queue[-1]
+    device = SimpleNamespace(read=lambda: queue.pop(0) if queue else last, close=lambda: None)
+    module = ModuleType("pyspacemouse")
+    module.open = lambda: device  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pyspacemouse", module)
+    heard: list[float] = []
+    cockpit = Cockpit((Binding(("KeyI",), "on"),))
+    monkeypatch.setattr(cockpit, "turn_axes", lambda axes: heard.append(axes.twist[2]))
+    with SpaceMouse(cockpit):
+        assert eventually(lambda: bool(heard))
+    assert heard == [0.7]
 
 
 @pytest.mark.parametrize("opened", [None, OSError("no hid device")])

@@ -20,6 +20,7 @@ from sheath_manip.dashboard import Dashboard
 from sheath_manip.dashboard.drawer import Drawer
 from sheath_manip.dashboard.paced_connection import MOST_UNDER_WAY, PacedConnection
 from sheath_manip.dashboard.picture_age import OLDEST_S, PictureAge
+from sheath_manip.types import EpisodeInfo, Purpose
 from tests.cockpit.clock import Clock
 from tests.toy import Corridor, teleop
 from tests.waiting import DEADLINE_S, eventually
@@ -43,6 +44,22 @@ def test_a_picture_is_as_old_as_the_newest_mark_that_came_back():
     age.saw(first)
     clock.s += 1.0
     assert age.age_s == 1.25
+
+
+def test_a_page_that_hears_nothing_more_of_the_episode_shows_the_past():
+    environment = Corridor()
+    environment.reset(3)
+    info = EpisodeInfo.of(environment.spec, variant="default", seed=3, purpose=Purpose.EVALUATION)
+    with Dashboard(environment.spec, port=0) as page:
+        page.on_start(environment, info)
+        before_s = time.monotonic()
+        assert eventually(lambda: page._true_s() >= before_s)
+        page.on_dropped()
+        left_s = time.monotonic()
+        assert eventually(lambda: time.monotonic() - left_s > 0.1)
+        assert page._true_s() <= left_s
+        page.on_start(environment, info)
+        assert eventually(lambda: page._true_s() > left_s)
 
 
 def test_a_page_is_true_up_to_what_is_not_drawn_yet():

@@ -66,6 +66,18 @@ def test_only_what_is_shown_is_driven_and_by_one_person(robots):
     assert robots.told[0].said[1:] == robots.told[2].said[1:] == []
 
 
+def test_a_robot_that_starts_cannot_be_taken_over_before_it_is_heard_of(robots):
+    seat = robots.cockpit.roster.shown
+    robots.cockpit.detach(seat)
+    assert not robots.order(Order.TAKE_OVER)
+    robots.cockpit.attach(seat, Told())
+    # Its own cockpit would be told by the program to let the policy begin, right after this.
+    assert not robots.order(Order.TAKE_OVER)
+    assert robots.cockpit.lease.holder is None
+    robots.says(seat.number, DRIVES)
+    assert robots.order(Order.TAKE_OVER)
+
+
 def test_an_order_for_a_robot_that_is_no_longer_shown_is_void(robots):
     robots.asks(2)
     assert not robots.order(Order.TAKE_OVER, robot=1)

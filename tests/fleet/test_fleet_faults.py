@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 
 from sheath_manip.cockpit import Order
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.playback.film import Film
 from sheath_manip.types import Actor, Reason
 from tests.fleet.drifting import WIDE, Breaking, Drifting, requests
@@ -133,7 +134,7 @@ def test_a_robot_that_is_stopped_is_said_to_be_silent_and_the_others_obey(run):
     # What was said to it meanwhile is heard as soon as it can hear.
     assert eventually(lambda: actor(run, 1) is Actor.HOLD)
     assert eventually(lambda: run.does() == ["held"] * 3)
-    run.cockpit.order(Order.RESET, None, seen=run.cockpit.state.stops)
+    run.cockpit.order(Order.RESET, None, shown=Shown(stops=run.cockpit.state.stops))
     run.cockpit.resume()
 
 

@@ -10,6 +10,7 @@ from playwright.sync_api import Page
 
 from sheath_manip.cockpit import OperatorInput, Order
 from sheath_manip.cockpit.question import Question
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.cockpit.state import State
 from sheath_manip.dashboard import Dashboard
 from sheath_manip.fleet.fleet_cockpit import FleetCockpit
@@ -70,8 +71,15 @@ class Robots:
     def shown(self) -> int:
         return self.cockpit.state.robot
 
-    def order(self, order: Order, station: str = "page", **options) -> bool:
-        return self.cockpit.order(order, station, **options)
+    def order(
+        self,
+        order: Order,
+        station: str = "page",
+        value: float = 1.0,
+        seen: int | None = None,
+        robot: int | None = None,
+    ) -> bool:
+        return self.cockpit.order(order, station, value, Shown(seen, robot))
 
 
 @contextmanager

@@ -54,6 +54,22 @@ def test_after_the_last_request_of_an_episode_the_expert_drives_on() -> None:
     assert {reason for _, reason in decisions[5:]} == {Reason.SPARED}
 
 
+def test_who_drives_already_is_asked_nothing() -> None:
+    judge = ByObservation(lambda seen: -1.0 if seen.features[0] in (2, 4, 8) else 1.0)
+    gate = PatientGate(SupportGate(judge, 0.0), RequestConfig(an_episode=1))
+    gate.reset(np.random.default_rng(0))
+    reasons = []
+    for step in range(12):
+        gate.counts = step >= 6
+        if step == 6:
+            gate.release()
+        seen = Observation({}, np.array([step], np.float32), step / RATE_HZ)
+        reasons.append(gate.decide(seen, PROPOSED).reason)
+    # The one request that there may be is that of step 8, after which the expert drives on.
+    assert reasons[8] is Reason.OUTSIDE
+    assert set(reasons[9:]) == {Reason.SPARED}
+
+
 def test_after_the_last_request_of_a_minute_it_drives_until_another_may_come() -> None:
     decisions = driven([10, 20], 700, a_minute=2)
     assert expert_steps(decisions) == [10, *range(20, 610)]

@@ -17,12 +17,13 @@ document.head.appendChild(style);
 const send = (message) => {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
 };
-// With the number of the newest stop that was shown: a reset clears no other one.
+// With the number of the newest stop that was shown: a reset clears no other one. So the episode's:
+// who ends it as it ends by itself does not end the next.
 // Where nothing runs any longer there is nothing to order, but for what is never refused.
 const order = (name, value) => {
   if (state.over && name !== "emergency-stop") return;
-  const shown = { ...(state.stops != null && { seen: state.stops }), ...(state.robot && { robot: state.robot }) };
-  send({ order: name, ...shown, ...(value != null && { value }) });
+  const { stops: seen, robot, episode } = state;
+  send({ order: name, ...(seen != null && { seen, episode }), ...(robot && { robot }), ...(value != null && { value }) });
 };
 const hold = (source, name) => { held.set(source, name); look(); };
 const release = (source) => { if (held.delete(source)) look(); };

@@ -8,6 +8,7 @@ import viser
 from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
+from sheath_manip.cockpit.shown import Shown
 from sheath_manip.dashboard.markup import GREY_BUTTON
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.snapshot import Snapshot
@@ -95,7 +96,9 @@ class Controls:
     def _give(self, order: Order, event: viser.GuiEvent, value: float = 1.0) -> None:
         if event.client_id is not None:
             station = station_of(event.client_id)
-            self._cockpit.order(order, station, value, self._drawn.stops, self._drawn.robot)
+            drawn = self._drawn
+            shown = Shown(drawn.stops, drawn.robot, drawn.episode)
+            self._cockpit.order(order, station, value, shown)
         self._context.wake()
 
 
