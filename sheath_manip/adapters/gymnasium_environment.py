@@ -60,7 +60,9 @@ class GymnasiumEnvironment:
         over = moment.terminated or moment.truncated or self._steps >= self.spec.max_steps
         held = self._successes >= self.terms.success_steps
         if over or held or judged is Outcome.FAILURE:
-            self._outcome = judged
+            # One lucky step at the time limit is not what lasted.
+            lucky = judged is Outcome.SUCCESS and not (held or moment.terminated)
+            self._outcome = Outcome.TIME_LIMIT if lucky else judged
         decided = self._outcome is not Outcome.TIME_LIMIT
         return Transition(self._observed(), moment.reward, decided, over and not decided)
 

@@ -16,7 +16,7 @@ from sheath_manip.dataset.content import content_digest
 from sheath_manip.dataset.durable import publish
 from sheath_manip.dataset.header import Header
 from sheath_manip.dataset.marks import Marks
-from sheath_manip.dataset.naming import LEFTOVER_PREFIX, split_session
+from sheath_manip.dataset.naming import LEFTOVER_PREFIX, Scene, scene_of, split_session
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.dataset.renamed import OfSession
 from sheath_manip.dataset.sessions import DIGITS
@@ -156,7 +156,7 @@ def split(
     rng: np.random.Generator,
     report: Report = lambda _: None,
 ) -> dict[str, list[str]]:
-    """Copy each episode into one of the new stores `into`/PART, drawn by their shares.
+    """Copy each episode into one of the new stores `into`/PART, drawn by their shares of scenes.
 
     Returns the names by part. All stores appear at once or none does. Raises ParameterError for
     shares that do not add up to 1 or give a part no episode, and StoreError where `into` exists or
@@ -191,17 +191,22 @@ def _drawn(
     for part in parts:
         if not part or Path(part).name != part or part.startswith("."):
             raise ParameterError(f"the part {part!r} is no plain name of a directory")
-    names = reader.names()
+    # By scene: what was recorded twice, or by several methods, is no news to the other part.
+    scenes = defaultdict[Scene, list[str]](list)
+    for name in reader.names():
+        scenes[scene_of(reader.header(name).info)].append(name)
+    names = list(scenes.values())
     stops = np.round(np.cumsum(shares) * len(names)).astype(int)
     order = rng.permutation(len(names))
     pieces = np.split(order, stops[:-1])
     if any(not len(piece) for piece in pieces):
         raise ParameterError(
-            f"{reader.address} has {len(names)} episodes, too few for the shares "
+            f"{reader.address} has episodes of {len(names)} scenes, too few for the shares "
             f"{shares.tolist()}: a part would have none"
         )
     return {
-        part: sorted(names[i] for i in piece) for part, piece in zip(parts, pieces, strict=True)
+        part: sorted(name for i in piece for name in names[i])
+        for part, piece in zip(parts, pieces, strict=True)
     }
 
 

@@ -14,6 +14,7 @@ _NAME = re.compile(
     rf"({'|'.join(Purpose)})(-.+)?-s-?\d+-r-?\d+-i-?\d+-seed-?\d+(-session[0-9A-Za-z]+)?"
 )
 _CUT_SHORT = "error"
+Scene = tuple[str, int, int]
 _SESSION = re.compile(r"[0-9A-Za-z]*")
 
 
@@ -27,6 +28,11 @@ def episode_name(info: EpisodeInfo) -> str:
     who = "-".join(part for part in (info.purpose.value, quote(info.method, safe="")) if part)
     session = f"-session{quote(info.session, safe='')}" if info.session else ""
     return f"{who}-s{info.run_seed}-r{info.round:02d}-i{info.index:03d}-seed{info.seed}{session}"
+
+
+def scene_of(info: EpisodeInfo) -> Scene:
+    """Return variant, seed and place of a scene, which all recordings of it have in common."""
+    return info.variant, info.seed, info.index
 
 
 def scene_name(info: EpisodeInfo) -> str:

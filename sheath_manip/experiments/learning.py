@@ -14,6 +14,7 @@ from sheath_manip.experiments.baselines import BaselineJob, baseline_figures, ba
 from sheath_manip.experiments.figures import FIGURES, View, write_figures
 from sheath_manip.experiments.figures.replayed import pictures_of
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.revisions import note_revision
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.summary import summarise
 from sheath_manip.experiments.table import table
@@ -106,7 +107,7 @@ def run_experiment(
     runs.mkdir(parents=True, exist_ok=True)
     require_same_plan(plan.described(), runs / "plan.json")
     EpisodeStore.create(runs / "store")
-    stopwatch = Stopwatch(runs / "wall.json")
+    git, stopwatch = note_revision(runs), Stopwatch(runs / "wall.json")
 
     held_against = baseline_jobs(study, plan, runs)
     jobs = [
@@ -117,7 +118,7 @@ def run_experiment(
     with shown_progress(console, units, stopwatch, listeners) as report:
         run_jobs(jobs, next_jobs, executing, report, listeners)
     wall_s = stopwatch.tick(force=True)
-    summary = _summary(study, plan, runs, command, wall_s)
+    summary = {**_summary(study, plan, runs, command, wall_s), "git": git}
     write_json(results / "summary.json", summary)
     paths = _figures(study, plan, runs, results, summary, figures)
     console.print(table(summary))

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
+from sheath_manip.dataset.marks import learnable
 from sheath_manip.dataset.naming import episode_name
 from sheath_manip.dataset.reader import EpisodeReader
 from sheath_manip.exceptions import ParameterError
@@ -21,8 +22,11 @@ def is_learned_from(purpose: Purpose, outcome: Outcome, failures: bool = False) 
 
     Where the expert itself drove, the episode must have succeeded, unless `failures` are asked for.
     In a round of learning the policy drove, and what the expert says there is worth learning
-    however it ended. What came to no end at all, such as by an error, is never learned from.
+    however it ended. What came to no end at all, such as by an error, is never learned from, nor
+    are the scenes that policies are judged on.
     """
+    if purpose is Purpose.EVALUATION:
+        return False
     if outcome is Outcome.SUCCESS:
         return True
     return outcome in FAILED and (failures or purpose not in BY_THE_EXPERT)
@@ -33,14 +37,16 @@ def learned_from(
 ) -> tuple[list[Episode], list[Outcome]]:
     """Return those of `episodes` that are learned from, and how the others ended.
 
-    What a person marked in `reader`, their store, counts in place of what was recorded. Raises
+    What a person marked in `reader`, their store, counts in place of what was recorded, and a
+    stretch that is marked bad has no labels. Raises
     ParameterError where fewer than `least` are left.
     """
     taken, left_out = list[Episode](), list[Outcome]()
     for episode in episodes:
-        outcome = reader.marks(episode_name(episode.info)).outcome or episode.outcome
+        marks = reader.marks(episode_name(episode.info))
+        outcome = marks.outcome or episode.outcome
         if is_learned_from(episode.info.purpose, outcome, failures):
-            taken.append(episode)
+            taken.append(learnable(episode, marks))
         else:
             left_out.append(outcome)
     if len(taken) < least:
@@ -49,6 +55,11 @@ def learned_from(
             f"wanted to begin with; {left_out_line(left_out)}"
         )
     return taken, left_out
+
+
+def as_marked(episodes: Iterable[Episode], reader: EpisodeReader) -> list[Episode]:
+    """Return episodes of `reader` without labels where a person has marked them as bad."""
+    return [learnable(each, reader.marks(episode_name(each.info))) for each in episodes]
 
 
 def left_out_line(outcomes: Iterable[Outcome]) -> str:

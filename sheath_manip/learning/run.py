@@ -19,7 +19,7 @@ from sheath_manip.learning.beforehand import with_final_variant
 from sheath_manip.learning.checkpoint import Checkpoint
 from sheath_manip.learning.checkpoints import Checkpoints
 from sheath_manip.learning.config import LEAST_CALIBRATION, LearningPlan
-from sheath_manip.learning.demonstrations import is_learned_from, learned_from
+from sheath_manip.learning.demonstrations import as_marked, is_learned_from, learned_from
 from sheath_manip.learning.drivers import GatedPolicy, PolicyAlone
 from sheath_manip.learning.evaluation import Evaluation
 from sheath_manip.learning.following import GivenBurdens
@@ -151,7 +151,7 @@ class LearningRun:
                 self._finish(judged, results)
             number = judged.number + 1
             episodes = list(ahead or self._learning_episodes(start, method, number, checkpoint))
-            visited = visited_from(episodes)
+            visited = visited_from(as_marked(episodes, self.store))
             if visited.is_labelled.any():
                 labelled.add(visited.labelled())
                 names += [episode_name(each.info) for each in episodes if _is_labelled(each)]

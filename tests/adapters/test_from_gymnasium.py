@@ -143,6 +143,9 @@ def test_an_episode_ends_as_its_info_says() -> None:
     assert episode.metrics == {"success": 1.0, "return": -len(episode)}
     longer = driven(from_gymnasium(Reach, **OPTIONS, success_steps=4))
     assert len(longer) == len(episode) + 3
+    # A success that has not lasted when the time is over.
+    cut = driven(from_gymnasium(Reach, **{**OPTIONS, "max_steps": len(episode)}, success_steps=4))
+    assert (cut.outcome, cut.truncated, len(cut)) == (Outcome.TIME_LIMIT, True, len(episode))
     away = driven(from_gymnasium(Reach, **{**OPTIONS, "expert": push_right_for_ever}))
     assert away.outcome is Outcome.FAILURE
     late = driven(from_gymnasium(Reach, **{**OPTIONS, "max_steps": 2}))

@@ -21,6 +21,9 @@ LEARN = (
 @pytest.mark.parametrize("failures", [False, True])
 def test_what_is_learned_from(purpose: Purpose, failures: bool) -> None:
     by_expert = purpose in (Purpose.DEMONSTRATION, Purpose.CALIBRATION)
+    if purpose is Purpose.EVALUATION:
+        assert not any(is_learned_from(purpose, outcome, failures) for outcome in Outcome)
+        return
     assert is_learned_from(purpose, Outcome.SUCCESS, failures)
     for outcome in (Outcome.FAILURE, Outcome.TIME_LIMIT):
         assert is_learned_from(purpose, outcome, failures) == (failures or not by_expert)

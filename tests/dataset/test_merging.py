@@ -212,6 +212,21 @@ class TestSplit:
         assert joined == contents(store)
         assert [part.names() for part in parts] == list(drawn.values())
 
+    def test_a_scene_is_in_one_part_however_often_it_was_recorded(self, tmp_path: Path) -> None:
+        sources = [filled(tmp_path / "a", range(8))]
+        for name, actors in (("b", "eee"), ("c", "eeee")):
+            again = EpisodeStore.create(tmp_path / name)
+            for index in range(8):
+                info = replace(INFO, index=index, session=new_session())
+                again.append(episode_of(actors, info=info), SPACE)
+            sources.append(again)
+        store = EpisodeStore.create(tmp_path / "all")
+        assert merge(sources, store).copied == 24
+        drawn = split(store, {"x": 0.5, "y": 0.5}, tmp_path / "parts", generator("split", 3))
+        scenes = [{store.header(name).info.index for name in names} for names in drawn.values()]
+        assert not scenes[0] & scenes[1]
+        assert [len(names) for names in drawn.values()] == [12, 12]
+
     def test_the_seed_decides(self, tmp_path: Path) -> None:
         store = filled(tmp_path / "a", range(10))
         draws = [
@@ -227,7 +242,7 @@ class TestSplit:
             ({"a": 0.5}, "add up to 1"),
             ({"a": 1.5, "b": -0.5}, "wanted positive ones"),
             ({"a": float("nan")}, "add up to 1"),
-            ({"a": 0.99, "b": 0.01}, "has 3 episodes, too few"),
+            ({"a": 0.99, "b": 0.01}, "of 3 scenes, too few"),
             ({"../a": 1.0}, "is no plain name"),
             ({".a": 1.0}, "is no plain name"),
             ({"": 1.0}, "is no plain name"),

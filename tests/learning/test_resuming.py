@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from sheath_manip.dataset.marks import Marks
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.learning import judged
 from sheath_manip.learning.checkpoint import Checkpoint
@@ -165,3 +166,22 @@ def test_killed_it_resumes_to_the_same_result(whole, tmp_path):
     assert not (tmp_path / "s0" / "random-takeover").exists()
     learn(tmp_path)
     assert same(tmp_path, whole)
+
+
+def test_what_was_marked_bad_meanwhile_is_not_learned_from(whole, tmp_path):
+    directory = Path(shutil.copytree(whole, tmp_path / "marked"))
+    store = EpisodeStore(directory / "store")
+    # As if the run had been stopped before the fit of round 1, and a person had looked at it.
+    for path in directory.glob("s0/sheath/round-0[12].*"):
+        path.unlink()
+    labels = 0
+    for summary in store.infos():
+        if summary.info.method == "sheath" and summary.info.round == 2:
+            store.drop(summary.name)
+        elif summary.info.method == "sheath" and summary.info.round == 1:
+            labels += summary.queries
+            store.mark(summary.name, Marks(bad=((0, summary.length),)))
+    assert labels
+    before = run("sheath", Path(shutil.copytree(whole, tmp_path / "whole")))
+    after = run("sheath", directory)
+    assert after[1].states == before[1].states - labels == before[0].states

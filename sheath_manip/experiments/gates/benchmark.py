@@ -15,6 +15,7 @@ from sheath_manip.experiments.gates.setting import Setting
 from sheath_manip.experiments.gates.summary import summarise
 from sheath_manip.experiments.gates.table import tables
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.revisions import note_revision
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.workers import in_stages, run_jobs
 from sheath_manip.files.json_files import write_json
@@ -52,12 +53,12 @@ def run_gates(
         settings_held = {**plan.settings(), "learning_plan": without_seeds(at.learning)}
         require_same_plan(settings_held, at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
-    stopwatch = Stopwatch(runs / "wall.json")
+    git, stopwatch = note_revision(runs), Stopwatch(runs / "wall.json")
     jobs = stages(settings)
     units = sum(job.units() for stage in jobs for job in stage)
     with shown_progress(console, units, stopwatch) as report:
         run_jobs(*in_stages(jobs), executing, report)
-    summary = summarise(settings, plan, command, stopwatch.tick(force=True))
+    summary = {**summarise(settings, plan, command, stopwatch.tick(force=True)), "git": git}
     write_json(results / "summary.json", summary)
     paths = draw(summary, results)
     console.print(tables(summary))

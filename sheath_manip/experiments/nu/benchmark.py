@@ -13,6 +13,7 @@ from sheath_manip.experiments.nu.figure import draw
 from sheath_manip.experiments.nu.plan import METHOD, NuPlan
 from sheath_manip.experiments.nu.summary import Setting, summarise, table
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.revisions import note_revision
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.workers import run_jobs
 from sheath_manip.files.json_files import write_json
@@ -49,10 +50,10 @@ def run_nu(
         require_same_plan(without_seeds(at.plan), at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
     jobs = [Job(at.task, at.plan, at.runs, seed, METHOD) for at in settings for seed in at.seeds]
-    stopwatch = Stopwatch(runs / "wall.json")
+    git, stopwatch = note_revision(runs), Stopwatch(runs / "wall.json")
     with shown_progress(console, sum(job.plan.units_of_run() for job in jobs), stopwatch) as report:
         run_jobs(jobs, lambda _: (), executing, report)
-    summary = summarise(settings, plan, command, stopwatch.tick(force=True))
+    summary = {**summarise(settings, plan, command, stopwatch.tick(force=True)), "git": git}
     write_json(results / "summary.json", summary)
     paths = draw(summary, results)
     console.print(table(summary))

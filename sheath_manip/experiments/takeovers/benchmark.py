@@ -10,6 +10,7 @@ from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import UnknownNameError
 from sheath_manip.experiments.learning import Job as Learn
 from sheath_manip.experiments.progress import Stopwatch, shown_progress
+from sheath_manip.experiments.revisions import note_revision
 from sheath_manip.experiments.study import Study
 from sheath_manip.experiments.takeovers.figures import draw
 from sheath_manip.experiments.takeovers.jobs import AnyJob, stages
@@ -53,6 +54,7 @@ def run_takeovers(
         held = {**at.plan.settings(), "learning_plan": without_seeds(at.learning)}
         require_same_plan(held, at.runs / "plan.json")
         EpisodeStore.create(at.runs / "store")
+    git = {name: note_revision(runs / name) for name in plan.tasks or by_name}
     # What is asked of some tasks alone takes a time of its own.
     stopwatch = Stopwatch(runs / f"{'-'.join(['wall', *(plan.tasks or ())])}.json")
     jobs = stages(policies)
@@ -60,7 +62,8 @@ def run_takeovers(
     with shown_progress(console, units, stopwatch) as report:
         run_jobs(*in_stages(jobs), executing, report)
     file = results / "summary.json"
-    summary = summarise(policies, command, stopwatch.tick(force=True), shown_before(file))
+    wall_s = stopwatch.tick(force=True)
+    summary = summarise(policies, command, git, wall_s, shown_before(file))
     write_json(file, summary)
     paths = draw(summary, results)
     console.print(tables(summary))

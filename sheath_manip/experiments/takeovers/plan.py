@@ -177,9 +177,11 @@ class TakeoversPlan:
         return dataclasses.asdict(self)
 
     def settings(self) -> dict[str, Any]:
-        """Return what a resumed run must have in common: all but the choice of tasks and seeds."""
-        free = ("tasks", "seeds")
-        return {name: value for name, value in self.described().items() if name not in free}
+        """Return what a resumed run must have in common: all but the choice of tasks.
+
+        Gates are chosen by the policies of all seeds together.
+        """
+        return {name: value for name, value in self.described().items() if name != "tasks"}
 
 
 PLANS = {

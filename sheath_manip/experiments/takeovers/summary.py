@@ -35,7 +35,11 @@ from sheath_manip.files.json_files import plain
 
 
 def summarise(
-    policies: Sequence[Watched], command: str, wall_s: float, before: Mapping[str, Any]
+    policies: Sequence[Watched],
+    command: str,
+    git: Mapping[str, str | None],
+    wall_s: float,
+    before: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return everything that the benchmark showed, as plain values; null stands for NaN.
 
@@ -45,13 +49,17 @@ def summarise(
     Args:
         policies: of one or several tasks.
         command: that this run goes by.
+        git: the commits that each task's run was made by, in words.
         wall_s: that this run took.
         before: what earlier runs showed of tasks, by name; kept where this run is not on them.
     """
     names = list(dict.fromkeys(at.study.name for at in policies))
-    run = {"command": command, "program": program(), "tasks": names, "wall_s": wall_s}
+    run = {"command": command, "tasks": names, "wall_s": wall_s}
     found = {
-        name: {"run": run, **_of_task([at for at in policies if at.study.name == name])}
+        name: {
+            "run": {**run, "program": {**program(), "git": git[name]}},
+            **_of_task([at for at in policies if at.study.name == name]),
+        }
         for name in names
     }
     return plain({"experiment": "takeovers", "tasks": {**before, **found}})
