@@ -8,6 +8,7 @@ tables and says what the columns mean.
 
 import argparse
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,13 @@ def table(summary: Mapping[str, Any], by_round: bool = False) -> str:
 
 
 def means(method: Mapping[str, Any]) -> dict[str, float]:
-    """Return a method's means over rounds 1 and up, by term; `inside` is J/T − ξ."""
+    """Return a method's means over rounds 1 and up, by term; `inside` is J/T − ξ.
+
+    NaN where no round has them all.
+    """
     measured = _measured([entry for entry in method["rounds"] if entry["round"] > 0])
+    if not measured:
+        return dict.fromkeys((*TERMS, "inside"), math.nan)
     found = {term: float(np.mean([entry[term] for entry in measured])) for term in TERMS}
     return {**found, "inside": _inside(measured)}
 

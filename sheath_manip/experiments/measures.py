@@ -33,6 +33,11 @@ def wall_minutes(summary: Summary) -> float:
     return summary["wall_s"] / 60
 
 
+def wall_minutes_a_method(summary: Summary) -> float:
+    """Return the wall time of the experiment, divided by the number of methods that it compares."""
+    return wall_minutes(summary) / len(summary["methods"])
+
+
 def experts_failures(summary: Summary) -> float:
     """Return the share of the episodes that the expert drove alone that failed."""
     return summary["expert"]["failure_rate"]

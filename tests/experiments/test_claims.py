@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from sheath_manip.exceptions import StoreError
-from sheath_manip.experiments.claims import Claim, Summary, print_claims, verdicts
+from sheath_manip.experiments.claims import Claim, Summary, missing, print_claims, verdicts
 
 
 def rate(summary: Summary) -> float:
@@ -31,6 +31,15 @@ def summary_in(directory: Path, **content: float) -> Path:
 def test_exit_code_says_whether_all_claims_hold(tmp_path: Path, value: float, code: int) -> None:
     found = verdicts(summary_in(tmp_path, rate=value, bar=0.2), CLAIMS)
     assert print_claims(found, Console(quiet=True)) == code
+
+
+@pytest.mark.parametrize(("value", "code", "word"), [(0.3, 0, "missed"), (0.1, 1, "said to be")])
+def test_what_is_known_to_be_missed_is_shown_as_that(tmp_path, value, code, word) -> None:
+    claims = {"toy": missing(CLAIMS["toy"], "a rate")}
+    console = Console(record=True, width=200)
+    found = verdicts(summary_in(tmp_path, rate=value, bar=0.2), claims)
+    assert print_claims(found, console) == code
+    assert word in console.export_text()
 
 
 def test_a_bench_line_is_a_claim_too(tmp_path: Path) -> None:

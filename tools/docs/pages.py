@@ -1,6 +1,7 @@
 """The pages that are made: from templates and results, and from the command's types."""
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -56,8 +57,12 @@ def pages(results: Path = ROOT / "results") -> Iterator[tuple[str, str]]:
 
 
 def span(summary: dict[str, Any], term: str, scale: float = 1) -> str:
-    """Return least and largest of a term of the theorem over all methods: `63 to 185`."""
-    values = [scale * means(method)[term] for method in summary["methods"].values()]
+    """Return least and largest of a term of the theorem over all methods: `63 to 185`.
+
+    A method whose gate judges nothing has no such term.
+    """
+    found = [means(method)[term] for method in summary["methods"].values()]
+    values = [scale * each for each in found if not math.isnan(each)]
     return f"{min(values):.0f} to {max(values):.0f}"
 
 
@@ -77,7 +82,8 @@ def _environment() -> jinja2.Environment:
         autoescape=False,
     )
     environment.globals |= {function.__name__: function for function in NUMBERS}
-    environment.globals |= {"theory_table": theory_table, "span": span, "arm_file": arm_file}
+    environment.globals |= {"theory_table": theory_table, "theory_means": means, "span": span}
+    environment.globals |= {"arm_file": arm_file}
     environment.globals |= {"takeover_names": NAMES, "takeover_target": wanted}
     return environment
 

@@ -3,7 +3,8 @@
 from functools import partial
 from itertools import accumulate
 
-from sheath_manip.experiments.claims import Claim, Summary, constant, uninformed
+from sheath_manip.experiments.asked_claims import CLAIMS as ASKED
+from sheath_manip.experiments.claims import Claim, Summary, constant, missing, uninformed
 from sheath_manip.experiments.measures import (
     evaluation_scenes,
     executed_failures,
@@ -11,7 +12,7 @@ from sheath_manip.experiments.measures import (
     experts_failures,
     rounds,
     training_seeds,
-    wall_minutes,
+    wall_minutes_a_method,
 )
 
 
@@ -67,11 +68,12 @@ def false_alarm_error(summary: Summary) -> float:
     return abs(summary["methods"]["sheath"]["overall"]["false_alarm_rate"] - asked)
 
 
-CLAIMS = (
+ALL = (
     Claim("training seeds", training_seeds, ">=", partial(constant, 3)),
     Claim("rounds", rounds, ">=", partial(constant, 8)),
     Claim("held-out traffic seeds", evaluation_scenes, ">=", partial(constant, 20)),
-    Claim("wall time, minutes", wall_minutes, "<=", partial(constant, 90)),
+    # 90 minutes for the four methods that were compared at first.
+    Claim("wall time a method, minutes", wall_minutes_a_method, "<=", partial(constant, 90 / 4)),
     Claim("expert's failure rate", experts_failures, "<=", partial(constant, 0.02)),
     Claim(
         "SHEATH's executed failure rate, a third of DAgger's",
@@ -100,4 +102,11 @@ CLAIMS = (
         executed_failures_at_random,
     ),
     Claim("false alarms, off the asked rate", false_alarm_error, "<=", partial(constant, 0.03)),
+    *ASKED,
+)
+CLAIMS = missing(
+    ALL,
+    # In episodes of 14 s one request each is 4.3 a minute.
+    "requests a minute in the last round",
+    "final laps lost to DAgger, its interval",
 )
