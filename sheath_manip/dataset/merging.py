@@ -101,10 +101,12 @@ class _Held:
 def _taking_marks_along(held: Sequence[_Held], target: EpisodeStore) -> Iterator[str]:
     """Mark what nobody has marked in the target, and yield what is marked otherwise there."""
     for each in held:
+        if each.marks == Marks():
+            continue
         own = target.marks(each.name)
         if own == Marks():
             target.mark(each.name, each.marks)
-        elif each.marks not in (Marks(), own):
+        elif own != each.marks:
             yield f"{each.name} is marked otherwise in {each.source}; {target.path} keeps its marks"
 
 

@@ -121,13 +121,10 @@ def print_claims(found: Iterable[Verdict], console: Console) -> int:
 
 
 def _mark(verdict: Verdict) -> Text:
-    if verdict.holds:
-        return (
-            Text("yes, but said to be missed", "bold red")
-            if verdict.missed
-            else Text("yes", "green")
-        )
-    return Text("missed", "yellow") if verdict.missed else Text("NO", "bold red")
+    if verdict.missed:
+        told = "yes, but said to be missed" if verdict.holds else "missed"
+        return Text(told, "bold red" if verdict.holds else "yellow")
+    return Text("yes", "green") if verdict.holds else Text("NO", "bold red")
 
 
 def _bench_verdict(name: str, line: Mapping[str, Any], source: str) -> Verdict:

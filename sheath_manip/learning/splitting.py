@@ -40,7 +40,8 @@ def split_off(
         (each for each in taken if each.info.purpose in BY_THE_EXPERT),
         key=lambda s: (s.info.purpose is Purpose.CALIBRATION, s.info.round, s.info.index, s.name),
     )
-    scenes = {scene_of(each.info) for each in expert[len(expert) - held_out :]}
+    last = expert[max(len(expert) - held_out, 0) :]
+    scenes = {scene_of(each.info) for each in last}
     names = [each.name for each in expert if scene_of(each.info) in scenes]
     if len(expert) <= len(names):
         told = f" ({left_out_line(s.outcome for s in left_out)})" if left_out else ""
