@@ -1,6 +1,5 @@
 """Orders, lease and input, without page and without robot; time is the test's."""
 
-import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -15,8 +14,6 @@ from sheath_manip.cockpit.transitions import MOST_STEPS, UNDO_S, let_on
 from sheath_manip.types import Outcome
 from sheath_manip.types.operator_input import Binding
 from tests.cockpit.clock import Clock
-from tests.toy import Corridor
-from tests.waiting import DEADLINE_S, eventually
 
 GUIDE = (Binding(("KeyI",), "on"),)
 KEYS = OperatorInput(keys=frozenset({"KeyI"}))
@@ -106,30 +103,8 @@ def test_who_ends_an_episode_that_is_over_does_not_end_the_next(cockpit, order):
     shown = Shown(episode=cockpit.state.episode)
     cockpit.begin_episode()
     assert not cockpit.order(order, "one", shown=shown)
-    assert cockpit.ending is None
-    assert not cockpit.discarding
+    assert (cockpit.ending, cockpit.discarding) == (None, False)
     assert cockpit.order(order, "one", shown=Shown(episode=cockpit.state.episode))
-    assert cockpit.ending is not None or cockpit.discarding
-
-
-def test_a_robot_is_held_where_the_loop_waits(cockpit):
-    class Robot(Corridor):
-        held = 0
-
-        def hold(self) -> None:
-            self.held += 1
-
-    robot = Robot()
-    cockpit.wait(robot)
-    assert robot.held == 0
-    cockpit.pause()
-    waiting = threading.Thread(target=cockpit.wait, args=(robot,), daemon=True)
-    waiting.start()
-    assert eventually(lambda: robot.held == 1)
-    cockpit.resume()
-    waiting.join(DEADLINE_S)
-    assert not waiting.is_alive()
-    assert robot.held == 1
 
 
 def test_a_reset_without_a_stop_does_nothing(cockpit):

@@ -107,6 +107,20 @@ def test_a_robot_is_brought_to_rest_where_a_stop_makes_the_loop_stand_still(cock
     assert robot.held == 1
 
 
+def test_a_robot_is_brought_to_rest_where_a_paused_run_waits(cockpit):
+    robot = Robot()
+    cockpit.wait(robot)
+    assert robot.held == 0
+    cockpit.pause()
+    waiting = threading.Thread(target=cockpit.wait, args=(robot,), daemon=True)
+    waiting.start()
+    assert eventually(lambda: robot.held == 1)
+    cockpit.resume()
+    waiting.join(DEADLINE_S)
+    assert not waiting.is_alive()
+    assert robot.held == 1
+
+
 def test_a_robot_is_held_step_by_step_while_it_waits(cockpit):
     for inner, stands_still in ((Corridor(), True), (Robot(), False)):
         gate = OperatedDriver(STRAIGHT, cockpit, hold="hold").crew(CORRIDOR, inner).gate
