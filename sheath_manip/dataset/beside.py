@@ -9,7 +9,7 @@ from sheath_manip.dataset.marks import is_marks_name
 from sheath_manip.dataset.moment_notes import NOTES
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX
 from sheath_manip.dataset.places import is_episode
-from sheath_manip.dataset.rooted_files import kind_of
+from sheath_manip.dataset.rooted_files import entries_now, kind_of
 
 THUMBNAILS = "sheath-thumbnails"
 """a folder of pictures, which are made anew where it is deleted"""
@@ -19,15 +19,15 @@ _OWN = (MARKER, INDEX, NOTES, THUMBNAILS)
 def faults_beside_episodes(store: Path) -> list[Fault]:
     """Return the leftovers of recordings, and what does not belong into a store's directory."""
     faults = []
-    for entry in sorted(store.iterdir()):
-        odd = kind_of(entry.lstat())
-        if entry.name.startswith(LEFTOVER_PREFIX):
+    for entry, status in entries_now(store):
+        name, odd = entry.name, kind_of(status)
+        if name.startswith(LEFTOVER_PREFIX):
             text = "a recording in progress or cut off; `sheath data repair` sweeps it away"
-            faults.append(Fault(entry.name, FaultKind.LEFTOVER, text))
+            faults.append(Fault(name, FaultKind.LEFTOVER, text))
         elif odd:
             text = f"{odd}, which is not followed; put there what it stands for, or delete it"
-            faults.append(Fault(entry.name, FaultKind.ODD_FILE, text))
-        elif not (entry.name in _OWN or is_marks_name(entry.name) or is_episode(entry)):
+            faults.append(Fault(name, FaultKind.ODD_FILE, text))
+        elif not (name in _OWN or is_marks_name(name) or is_episode(name, status)):
             text = "neither an episode nor the store's own; move it away"
-            faults.append(Fault(entry.name, FaultKind.FOREIGN, text))
+            faults.append(Fault(name, FaultKind.FOREIGN, text))
     return faults

@@ -13,7 +13,7 @@ from sheath_manip.dataset.digests import DIGEST, stamped, unstamped
 from sheath_manip.dataset.faults import Fault, FaultKind
 from sheath_manip.dataset.fields import MOST_STEPS, Fields, one_of, rows_of, shown, whole, word
 from sheath_manip.dataset.naming import is_episode_name
-from sheath_manip.dataset.rooted_files import kind_of, read_inside
+from sheath_manip.dataset.rooted_files import entries_now, kind_of, read_inside
 from sheath_manip.exceptions import ParameterError, StoreError
 from sheath_manip.files.bounded_json import parse_json
 from sheath_manip.files.outputs import sync, written_aside
@@ -182,9 +182,9 @@ def marks_text(marks: Marks) -> str:
 def marks_faults(store: Path, names: set[str]) -> list[Fault]:
     """Return what is wrong with the files of marks in `store`, which has the episodes `names`."""
     faults = []
-    for entry in sorted(store.iterdir()):
+    for entry, status in entries_now(store):
         # What is no plain file has been told of.
-        if not is_marks_name(entry.name) or kind_of(entry.lstat()):
+        if not is_marks_name(entry.name) or kind_of(status):
             continue
         name = entry.name.removesuffix(SUFFIX)
         if name not in names:

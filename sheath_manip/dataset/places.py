@@ -13,7 +13,7 @@ from sheath_manip.dataset.faults import REMEDY, FaultError, FaultKind
 from sheath_manip.dataset.folder import Folder
 from sheath_manip.dataset.marks import is_marks_name, marked_name
 from sheath_manip.dataset.naming import episode_name, is_episode_name
-from sheath_manip.dataset.rooted_files import OddFileError, is_folder
+from sheath_manip.dataset.rooted_files import OddFileError
 from sheath_manip.exceptions import StoreError
 from sheath_manip.types import EpisodeInfo
 
@@ -83,12 +83,11 @@ class Listed:
         return cls(episodes, frozenset(marked))
 
 
-def is_episode(path: Path) -> bool:
-    """Return whether an entry of a store is an episode; a link is none."""
-    name = path.name.removesuffix(SUFFIX)
-    if not is_episode_name(name):
-        return False
-    return is_folder(path) if name == path.name else stat.S_ISREG(path.lstat().st_mode)
+def is_episode(file: str, status: os.stat_result) -> bool:
+    """Return whether an entry of a store, a `file` or a folder, is an episode; a link is none."""
+    name = file.removesuffix(SUFFIX)
+    wanted = stat.S_ISDIR if name == file else stat.S_ISREG
+    return is_episode_name(name) and wanted(status.st_mode)
 
 
 def faults_told(name: str, file: str, read: Callable[[], Result]) -> Result:

@@ -2,6 +2,7 @@
 
 import shutil
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from sheath_manip.dataset.durable import sync
 from sheath_manip.dataset.faults import FaultError
 from sheath_manip.dataset.naming import LEFTOVER_PREFIX, episode_name
 from sheath_manip.dataset.places import is_there, place_of
-from sheath_manip.dataset.rooted_files import entries, is_folder
+from sheath_manip.dataset.rooted_files import entries, entries_now, is_folder
 from sheath_manip.dataset.store import EpisodeStore
 from sheath_manip.exceptions import ParameterError, StoreError
 
@@ -38,14 +39,16 @@ def repair(store: EpisodeStore, idle_s: float) -> Repaired:
     swept, renamed, waiting = [], [], []
     now_s = time.time()
     try:
-        for entry in sorted(store.path.iterdir()):
+        for entry, _ in entries_now(store.path):
             if not entry.name.startswith(LEFTOVER_PREFIX):
                 continue
-            if now_s - _last_written_s(entry) < idle_s:
-                waiting.append(entry.name)
-                continue
-            shutil.rmtree(entry) if is_folder(entry) else entry.unlink()
-            swept.append(entry.name)
+            # One that has gone meanwhile is an episode now, or was swept by another.
+            with suppress(FileNotFoundError):
+                if now_s - _last_written_s(entry) < idle_s:
+                    waiting.append(entry.name)
+                    continue
+                shutil.rmtree(entry) if is_folder(entry) else entry.unlink()
+                swept.append(entry.name)
         for name in store.names():
             own = _own_name(store, name)
             place = place_of(store.path, name)

@@ -8,6 +8,7 @@ import errno
 import os
 import stat
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 _FOLDER = os.O_DIRECTORY | os.O_RDONLY
@@ -69,6 +70,16 @@ def entries(folder: Path) -> Iterator[tuple[str, os.stat_result]]:
                 if stat.S_ISDIR(status.st_mode):
                     waiting.append(f"{path}/")
                 yield path, status
+
+
+def entries_now(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
+    """Yield what lies in `folder` itself, sorted by name; raises OSError.
+
+    What another process takes away meanwhile, such as a file that gets its final name, is left out.
+    """
+    for path in sorted(folder.iterdir()):
+        with suppress(FileNotFoundError):
+            yield path, path.lstat()
 
 
 def is_folder(path: Path) -> bool:
