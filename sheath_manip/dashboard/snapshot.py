@@ -33,6 +33,8 @@ class Snapshot:
     """the one at `at`"""
     outcome: Outcome | None
     """of the episode, where it has ended with this step"""
+    episode: StepCounts
+    """of this episode as far as `at`"""
     series: StepCounts
     """of all episodes of the same method and purpose, this one as far as `at` included"""
     outcomes: Mapping[Outcome, int]
@@ -52,11 +54,6 @@ class Snapshot:
     """whether a person holds the run"""
     present: bool = True
     """whether this is the latest step there is"""
-
-    @property
-    def episode(self) -> StepCounts:
-        """This episode as far as `at`."""
-        return counts_of_trace(self.trace.until(self.at + 1), self.info.control_rate_hz)
 
 
 def snapshot_of(
@@ -78,8 +75,7 @@ def snapshot_of(
     `series` are the episodes that have ended; of one that still runs what is seen is added.
     """
     outcome, trace = film.outcome, film.trace.so_far()
-    if outcome is None:
-        series += counts_of_trace(trace.until(at + 1), film.info.control_rate_hz)
+    episode = counts_of_trace(trace.until(at + 1), film.info.control_rate_hz)
     return Snapshot(
         info=film.info,
         scene=film.scene,
@@ -89,7 +85,8 @@ def snapshot_of(
         at=at,
         step=None if at < 0 else film.steps[at],
         outcome=outcome if at + 1 == len(trace) else None,
-        series=series,
+        episode=episode,
+        series=series if outcome is not None else series + episode,
         outcomes=outcomes,
         training=training,
         results=results,

@@ -3,8 +3,6 @@
 from collections import Counter
 from collections.abc import Mapping
 
-import numpy as np
-
 from sheath_manip.burden import StepCounts
 from sheath_manip.playback.trace import Trace
 from sheath_manip.types import EpisodeInfo, Outcome
@@ -13,7 +11,7 @@ from sheath_manip.types.columns import IN_PLACE_OF_POLICY
 
 def counts_of_trace(trace: Trace, control_rate_hz: float) -> StepCounts:
     """Return what is counted of one episode, as far as it is known."""
-    driving = np.isin(trace.actor, IN_PLACE_OF_POLICY)
+    driving = IN_PLACE_OF_POLICY[trace.actor]
     return StepCounts(
         episodes=1,
         steps=len(trace),

@@ -5,6 +5,7 @@ Two families that never stand for each other: those who act, and the methods tha
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 
 from sheath_manip.types import Actor, Outcome, Reason
 
@@ -114,11 +115,13 @@ def turn(actor: Actor, reason: Reason) -> Rgb:
     return REASON.get(reason, ACTOR[actor])
 
 
+@cache
 def css(rgb: Rgb) -> str:
     """`rgb` as a page writes it."""
     return f"#{rgb[0]:02x}{rgb[1]:02x}{rgb[2]:02x}"
 
 
+@cache
 def readable_on(rgb: Rgb) -> Rgb:
     """Return white or black for letters on `rgb`: one of them has 4.58 to 1 or more (WCAG 2.2)."""
     return max(WHITE, BLACK, key=lambda letters: _contrast(rgb, letters))

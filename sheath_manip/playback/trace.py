@@ -1,6 +1,7 @@
 """The steps of one episode by column: what plots, timelines and trails are drawn from."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,14 +43,16 @@ class Trace:
 
     def until(self, stop: int) -> "Trace":
         """The first `stop` steps."""
+        if stop >= len(self):
+            return self
         return Trace(*(getattr(self, name)[:stop] for name in Trace.__dataclass_fields__))
 
-    @property
+    @cached_property
     def turns(self) -> list[tuple[int, int]]:
         """Every intervention as (first step, first step after it)."""
         return runs_of(self.intervention)
 
-    @property
+    @cached_property
     def by_policy(self) -> NDArray[np.bool_]:
         """(n,) whether the policy acted."""
         return self.actor == POLICY

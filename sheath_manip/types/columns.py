@@ -15,8 +15,9 @@ REASONS = tuple(Reason)
 """in the order of `Columns.reason`, whose numbers are places in it"""
 WITHOUT_PROPOSAL = (Reason.INVALID_PROPOSAL, Reason.POLICY_FAILED, Reason.TOO_LATE)
 """why somebody acts where a policy that there is has proposed nothing to be executed"""
-_WITHOUT_PROPOSAL = [REASONS.index(reason) for reason in WITHOUT_PROPOSAL]
-IN_PLACE_OF_POLICY = [place for place, actor in enumerate(ACTORS) if actor.in_place_of_policy]
+_WITHOUT_PROPOSAL = np.array([reason in WITHOUT_PROPOSAL for reason in REASONS])
+IN_PLACE_OF_POLICY = np.array([actor.in_place_of_policy for actor in ACTORS])
+"""(actors,) by place: whether that one drives where the policy does not"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ class Columns:
     @property
     def in_place_of_policy(self) -> NDArray[np.bool_]:
         """(T,) whether expert, operator or fallback controller drove."""
-        return np.isin(self.actor, IN_PLACE_OF_POLICY)
+        return IN_PLACE_OF_POLICY[self.actor]
 
     @property
     def has_label(self) -> NDArray[np.bool_]:
@@ -133,7 +134,7 @@ def intervening(
     results. There was a policy where a checkpoint drove the episode (`driven`), where one proposed,
     and where its proposal was invalid, which is recorded as none.
     """
-    has_policy = has_proposed | np.isin(reason, _WITHOUT_PROPOSAL) | driven
+    has_policy = has_proposed | _WITHOUT_PROPOSAL[reason] | driven
     return has_policy & (actor != ACTORS.index(Actor.POLICY))
 
 

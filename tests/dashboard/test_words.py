@@ -43,7 +43,7 @@ def drawn(kind, spec, film, at, results=()) -> list[str]:
         written.append(SimpleNamespace(content=content, visible=visible))
         return written[-1]
 
-    gui = SimpleNamespace(add_html=add, add_uplot=lambda *_, **__: SimpleNamespace())
+    gui = SimpleNamespace(add_html=add, add_uplot=lambda *_, **__: SimpleNamespace(visible=False))
     snapshot = snapshot_of(
         film,
         at,

@@ -6,6 +6,7 @@ import numpy as np
 
 from sheath_manip.cockpit import Cockpit
 from sheath_manip.cockpit.cockpit import State
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -27,13 +28,13 @@ class Banner:
         state = None if self._cockpit is None else self._cockpit.state
         if snapshot.outcome is not None:
             colour = palette.OUTCOME[snapshot.outcome]
-            self._box.content = _box(colour, snapshot.outcome.value, "episode over")
+            set_changed(self._box, content=_box(colour, snapshot.outcome.value, "episode over"))
         elif state is not None and snapshot.present and _stands_still(state):
             reason = Reason.EMERGENCY_STOP if state.stopped else Reason.WAITING
-            self._box.content = _held(reason)
+            set_changed(self._box, content=_held(reason))
         elif snapshot.step is not None:
             fallback = FALLBACK if state is None else state.fallback
-            self._box.content = _banner(snapshot.step.decision, fallback)
+            set_changed(self._box, content=_banner(snapshot.step.decision, fallback))
 
 
 def _stands_still(state: State) -> bool:

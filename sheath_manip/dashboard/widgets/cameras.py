@@ -1,9 +1,11 @@
 """What the policy sees, in a window of its own."""
 
+import cv2
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.rate_limiter import RateLimiter
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -38,17 +40,18 @@ class Cameras:
         if snapshot.step is None:
             # Else another episode's last image, of another robot even, would pass for this one's.
             for handle in self._images.values():
-                handle.visible = False
+                set_changed(handle, visible=False)
             return
         if not self._limiter.should_draw(snapshot):
             return
         for name, image in snapshot.step.observation.images.items():
             if name in self._images:
                 self._images[name].image = _enlarged(image)
-                self._images[name].visible = True
+                set_changed(self._images[name], visible=True)
 
 
 def _enlarged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """A policy's small image with every pixel repeated: the page shows images as they are."""
     times = -(-WIDTH_PX // image.shape[1])
-    return image.repeat(times, 0).repeat(times, 1)
+    size = times * image.shape[1], times * image.shape[0]
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST), np.uint8)

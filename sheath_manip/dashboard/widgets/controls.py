@@ -9,6 +9,7 @@ from sheath_manip.cockpit import Cockpit, Order
 from sheath_manip.cockpit.cockpit import State
 from sheath_manip.cockpit.orders import FASTEST, SLOWEST
 from sheath_manip.cockpit.shown import Shown
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import GREY_BUTTON
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.snapshot import Snapshot
@@ -76,17 +77,19 @@ class Controls:
         self._drawn = state = self._cockpit.state
         if state.over:
             for each in self._all:
-                each.visible = False
+                set_changed(each, visible=False)
             return
-        self.reset.visible = state.stopped
-        self.take.label = _take(state)
-        self.take.color = "green" if state.taken else "orange"
-        self.keep.visible = state.discard_s is not None
-        self.go_on.visible = state.abandoned
-        self.pause.label = "Resume (P)" if state.paused else "Pause (P)"
-        self.pause.icon = viser.Icon.PLAYER_PLAY if state.paused else viser.Icon.PLAYER_PAUSE
-        self.pause.color = "green" if state.paused else GREY_BUTTON
-        self.step.visible = state.paused
+        set_changed(self.reset, visible=state.stopped)
+        set_changed(self.take, label=_take(state), color="green" if state.taken else "orange")
+        set_changed(self.keep, visible=state.discard_s is not None)
+        set_changed(self.go_on, visible=state.abandoned)
+        set_changed(
+            self.pause,
+            label="Resume (P)" if state.paused else "Pause (P)",
+            icon=viser.Icon.PLAYER_PLAY if state.paused else viser.Icon.PLAYER_PAUSE,
+            color="green" if state.paused else GREY_BUTTON,
+        )
+        set_changed(self.step, visible=state.paused)
 
     def _bind(self, button: viser.GuiButtonHandle, meant: Callable[[State], Order]) -> None:
         @button.on_click

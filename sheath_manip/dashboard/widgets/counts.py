@@ -5,6 +5,7 @@ from html import escape
 from math import isnan
 
 from sheath_manip.burden import StepCounts
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import TEXT, coloured
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -30,12 +31,15 @@ class Counts:
         series = snapshot.series if self._with_series else None
         # What is recorded has all its steps.
         most = self._max_steps if self._with_series else len(snapshot.trace)
-        self._facts.content = _facts(snapshot.info, episode.steps, most)
-        self._counts.content = _counts(episode, series, snapshot.outcomes)
+        set_changed(self._facts, content=_facts(snapshot.info, episode.steps, most))
+        set_changed(self._counts, content=_counts(episode, series, snapshot.outcomes))
         # The text first: an empty box would be seen for a moment otherwise.
         now = () if snapshot.step is None else snapshot.step.limited
-        self._limited.content = _limited(now, episode, series)
-        self._limited.visible = (series or episode).limited_steps > 0
+        set_changed(
+            self._limited,
+            content=_limited(now, episode, series),
+            visible=(series or episode).limited_steps > 0,
+        )
 
 
 def _facts(info: EpisodeInfo, steps: int, most: int) -> str:

@@ -2,6 +2,7 @@
 
 import viser
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.following import Following
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -23,4 +24,4 @@ class FollowBox:
 
         A task without a tool has none.
         """
-        self._box.visible = snapshot.pose.tool_m is not None
+        set_changed(self._box, visible=snapshot.pose.tool_m is not None)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import viser
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback.trace import Trace
@@ -67,7 +68,7 @@ class Interventions:
         shown = options[max(0, sum(start <= snapshot.at for start in self._starts) - 1)]
         if self._list.value != shown:
             self._list.value = shown
-        self._back.visible = self._has_present and not snapshot.present
+        set_changed(self._back, visible=self._has_present and not snapshot.present)
 
     def _jump(self, forward: bool) -> None:
         if forward:

@@ -2,6 +2,7 @@
 
 from html import escape
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import TEXT
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -21,9 +22,9 @@ class NowRunning:
     def draw(self, snapshot: Snapshot) -> None:
         """Show what runs now."""
         headway = snapshot.headway
-        self._html.visible = headway is not None
+        set_changed(self._html, visible=headway is not None)
         if headway is not None:
-            self._html.content = _markup(snapshot.info, snapshot.work, headway)
+            set_changed(self._html, content=_markup(snapshot.info, snapshot.work, headway))
 
 
 def _markup(info: EpisodeInfo, work: str, headway: Headway) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser.uplot import Axis, Series
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import caption, note
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -80,11 +81,10 @@ class ScorePlot:
         trace = snapshot.trace.until(snapshot.at + 1 + self._after)
         score = trace.score[first:]
         scored = bool(np.isfinite(score).any())
-        self._scores.visible = self._span.visible = scored
-        self._no_score.visible = not scored
-        self._no_score.content = note(
-            NO_SCORE.format(method=escape(snapshot.info.method)) if len(trace) else NO_STEP
-        )
+        set_changed(self._scores, visible=scored)
+        set_changed(self._span, visible=scored)
+        without = NO_SCORE.format(method=escape(snapshot.info.method)) if len(trace) else NO_STEP
+        set_changed(self._no_score, visible=not scored, content=note(without))
         if scored:
             # What a click on the plot means.
             first_shown, shown = snapshot.at - self._before, self._before + self._after

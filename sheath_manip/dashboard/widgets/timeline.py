@@ -1,6 +1,8 @@
 """The whole episode as a strip: who acted and why, and where a command was limited."""
 
+from collections.abc import Callable
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,7 @@ from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
 from sheath_manip.playback.labels import actor_and_reason_label
 from sheath_manip.playback.trace import Trace
-from sheath_manip.types import ACTORS, REASONS, Actor
+from sheath_manip.types import ACTORS, REASONS, Actor, Reason
 
 BINS = 240
 """at most: more are finer than the strip's pixels"""
@@ -53,52 +55,56 @@ def _strip(snapshot: Snapshot, rate_hz: float) -> str:
 
 def _turns(trace: Trace, steps: int) -> str:
     """Colour each bin by its last step, but where the policy did not act at all in it, by why."""
-    width = -(-steps // BINS)
-    # Policy steps are -1, others their reason's place and who acted: so the largest one shows.
-    codes = np.where(trace.by_policy, -1, trace.reason.astype(int) * len(ACTORS) + trace.actor)
-    edges = np.arange(0, len(codes), width)
-    shown = np.maximum.reduceat(codes, edges) if len(codes) else codes
-    colours = [palette.css(_colour(int(code))) for code in shown]
-    return _gradient(colours, width, len(trace), steps)
-
-
-def _colour(code: int) -> palette.Rgb:
-    if code < 0:
-        return palette.ACTOR[Actor.POLICY]
-    reason, actor = divmod(code, len(ACTORS))
-    return palette.turn(ACTORS[actor], REASONS[reason])
+    return _gradient(_codes(trace), _turn_css, steps)
 
 
 def _limits(trace: Trace, steps: int) -> str:
-    width = -(-steps // BINS)
-    edges = np.arange(0, len(trace), width)
-    shown: NDArray = np.logical_or.reduceat(trace.limited, edges) if len(trace) else trace.limited
-    if not shown.any():
+    if not trace.limited.any():
         return "transparent"
-    colours = [palette.css(palette.LIMITED) if each else "transparent" for each in shown]
-    return _gradient(colours, width, len(trace), steps)
+    return _gradient(trace.limited.astype(int), _limit_css, steps)
 
 
-def _gradient(colours: list[str], width: int, length: int, steps: int) -> str:
-    """CSS of runs of one colour, each with hard edges."""
-    stops, start = [], 0
-    for index in range(1, len(colours) + 1):
-        if index == len(colours) or colours[index] != colours[start]:
-            begin, end = 100 * start * width / steps, 100 * min(index * width, length) / steps
-            stops.append(f"{colours[start]} {begin:.2f}% {end:.2f}%")
-            start = index
+def _codes(trace: Trace) -> NDArray[np.int64]:
+    """(n,) -1 for the policy, others by their reason and who acted: of a bin the largest shows."""
+    return np.where(trace.by_policy, -1, trace.reason.astype(int) * len(ACTORS) + trace.actor)
+
+
+def _who_and_why(code: int) -> tuple[Actor, Reason]:
+    reason, actor = divmod(code, len(ACTORS))
+    return ACTORS[actor], REASONS[reason]
+
+
+def _turn_css(code: int) -> str:
+    return palette.css(
+        palette.ACTOR[Actor.POLICY] if code < 0 else palette.turn(*_who_and_why(code))
+    )
+
+
+def _limit_css(limited: int) -> str:
+    return palette.css(palette.LIMITED) if limited else "transparent"
+
+
+def _gradient(codes: NDArray[np.int64], css: Callable[[int], str], steps: int) -> str:
+    """CSS of runs of one colour, each with hard edges: each bin by the largest code in it."""
+    stops, length, width = [], len(codes), -(-steps // BINS)
+    if length:
+        shown = np.maximum.reduceat(codes, np.arange(0, length, width))
+        starts = [0, *(np.flatnonzero(np.diff(shown)) + 1).tolist(), len(shown)]
+        for start, stop in pairwise(starts):
+            begin, end = 100 * start * width / steps, 100 * min(stop * width, length) / steps
+            stops.append(f"{css(int(shown[start]))} {begin:.2f}% {end:.2f}%")
     stops.append(f"{EMPTY} {100 * length / steps:.2f}% 100%")
     return f"linear-gradient(to right,{','.join(stops)})"
 
 
 def _legend(trace: Trace) -> str:
-    """What occurred in this episode."""
+    """What occurred in this episode, in that order."""
     entries: list[tuple[str, palette.Rgb]] = []
     if trace.by_policy.any():
         entries.append(("policy", palette.ACTOR[Actor.POLICY]))
-    others = np.flatnonzero(~trace.by_policy)
-    occurred = dict.fromkeys(trace.who_and_why(step) for step in others.tolist())
-    entries += [(actor_and_reason_label(*why), palette.turn(*why)) for why in occurred]
+    codes, firsts = np.unique(_codes(trace), return_index=True)
+    others = [_who_and_why(code) for code in codes[np.argsort(firsts)].tolist() if code >= 0]
+    entries += [(actor_and_reason_label(*why), palette.turn(*why)) for why in others]
     if trace.limited.any():
         entries.append(("command limited", palette.LIMITED))
     return " &nbsp; ".join(

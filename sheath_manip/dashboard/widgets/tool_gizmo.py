@@ -4,6 +4,7 @@ import numpy as np
 import viser
 
 from sheath_manip.cockpit import Cockpit
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.operator_socket import station_of
 from sheath_manip.dashboard.scene import WORLD
 from sheath_manip.dashboard.snapshot import Snapshot
@@ -39,7 +40,7 @@ class ToolGizmo:
         pose, state = self._cockpit.tool_pose, self._cockpit.state
         if self._dragged_by is not None and state.operator != station_of(self._dragged_by):
             self._dragged_by = None
-        self.handle.visible = pose is not None and state.taken and not state.stopped
+        set_changed(self.handle, visible=pose is not None and state.taken and not state.stopped)
         if pose is not None and self._dragged_by is None:
             self.handle.position, self.handle.wxyz = pose[:3], pose[3:]
 

@@ -4,6 +4,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.scene import WORLD
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -57,11 +58,11 @@ class Trail:
         if drawable:
             colours = COLOURS[shown.actor[first + 1 :]]
             _set_line(self._line, np.stack([way[:-1], way[1:]], 1), colours)
-        self._line.visible = drawable
+        set_changed(self._line, visible=drawable)
         contacts = snapshot.pose.contacts_m
         if len(contacts):
             self._contacts.points = contacts.astype(np.float32)
-        self._contacts.visible = len(contacts) > 0
+        set_changed(self._contacts, visible=len(contacts) > 0)
 
 
 def _set_line(

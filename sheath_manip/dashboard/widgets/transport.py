@@ -2,6 +2,7 @@
 
 import viser
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import GREY_BUTTON, note
 from sheath_manip.dashboard.player import FASTEST, SLOWEST, Player
 from sheath_manip.dashboard.snapshot import Snapshot
@@ -56,9 +57,12 @@ class Transport:
     def draw(self, snapshot: Snapshot) -> None:
         """Put the scrubber where the player is."""
         now = self._player.now
-        self.play.label = "Pause" if now.playing else "Play"
-        self.play.icon = viser.Icon.PLAYER_PAUSE if now.playing else viser.Icon.PLAYER_PLAY
-        self.play.color = GREY_BUTTON if now.playing else "green"
+        set_changed(
+            self.play,
+            label="Pause" if now.playing else "Play",
+            icon=viser.Icon.PLAYER_PAUSE if now.playing else viser.Icon.PLAYER_PLAY,
+            color=GREY_BUTTON if now.playing else "green",
+        )
         last, at = max(len(snapshot.trace), 2), max(snapshot.at + 1, 1)
         if self.scrubber.max != last:
             self.scrubber.max = last
@@ -69,8 +73,7 @@ class Transport:
         # Another value than the known one came from a browser, and is heard in a moment.
         if self.scrubber.value == self._known != at:
             self._put(at)
-        self._note.content = note(now.note)
-        self._note.visible = bool(now.note)
+        set_changed(self._note, content=note(now.note), visible=bool(now.note))
 
     def _put(self, step: int) -> None:
         self._known = step

@@ -2,6 +2,7 @@
 
 from html import escape
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import BOX
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -18,7 +19,7 @@ class Trouble:
     def draw(self, snapshot: Snapshot) -> None:
         """Hide the notice: what can be drawn is not out of date."""
         del snapshot
-        self._box.visible = False
+        set_changed(self._box, visible=False)
 
     def show(self, failure: str) -> None:
         """Say what failed."""

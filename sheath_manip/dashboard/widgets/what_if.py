@@ -9,6 +9,7 @@ from html import escape
 import numpy as np
 import viser
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import GREY_BUTTON, TEXT, caption, coloured, note
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
@@ -101,10 +102,10 @@ class WhatIf:
         episodes = _with_present(snapshot)
         boundary = self._now(snapshot, episodes)
         for each in self._controls:
-            each.visible = boundary is not None
-        self.apply.visible = self._dial is not None and boundary is not None
+            set_changed(each, visible=boundary is not None)
+        set_changed(self.apply, visible=self._dial is not None and boundary is not None)
         if boundary is None:
-            self._table.content = note(NO_SCORE)
+            set_changed(self._table, content=note(NO_SCORE))
             return
         if boundary is not self._boundary:
             self._begin_at(boundary)

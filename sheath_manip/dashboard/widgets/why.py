@@ -1,6 +1,7 @@
 """Why the robot asks: a sentence and figures at once, and all that there is in a tab."""
 
 from sheath_manip.dashboard import explanation_markup
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.explainer import Explainer
 from sheath_manip.dashboard.markup import caption, note
 from sheath_manip.dashboard.snapshot import Snapshot
@@ -29,7 +30,7 @@ class Why:
             self._shown = found.explanation
             text = explanation_markup.sentence(found.explanation)
             self._box.content = text + explanation_markup.figures(found.explanation, self._spec)
-        self._box.visible = found is not None
+        set_changed(self._box, visible=found is not None)
 
 
 class WhyDetails:
