@@ -88,6 +88,7 @@ def test_without_an_index_it_is_made(store: EpisodeStore, headers_read: list[str
         lambda _: b"\0" * 100,
         lambda content: content.replace(b"time-limit", b"success   "),
         lambda content: content + b"\n" + _line([1]) + b"\n" + _line({"x": 1}) + b"\n" + _line(7),
+        lambda content: content + b"\n" + _checked(b"no JSON") + b"\n" + _checked(b"1],[2"),
         lambda content: content + b"\n" + b"[" * 100_000,
     ],
 )
@@ -101,6 +102,10 @@ def test_a_torn_or_changed_one_changes_nothing(store: EpisodeStore, spoil) -> No
 
 def _line(told: object) -> bytes:
     text = json.dumps(told).encode()
+    return _checked(text)
+
+
+def _checked(text: bytes) -> bytes:
     return f"{zlib.crc32(text):08x} ".encode() + text
 
 
