@@ -17,7 +17,8 @@ def one_thread_by_default() -> None:
 
     On two cores, two threads in each of two processes cost many times what they give.
     """
-    os.environ.setdefault("OMP_NUM_THREADS", str(THREADS))
+    # An empty one says as little as none, and would be one thread a core.
+    os.environ["OMP_NUM_THREADS"] = os.environ.get("OMP_NUM_THREADS") or str(THREADS)
 
 
 @contextmanager
