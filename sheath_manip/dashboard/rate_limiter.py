@@ -5,6 +5,8 @@ import time
 
 from sheath_manip.dashboard.snapshot import Snapshot
 
+READ_RATE_HZ = 10.0
+"""of what is read and not watched: texts and plots"""
 JUMP_STEPS = 3
 """farther than that a moving page does not get between two drawings"""
 

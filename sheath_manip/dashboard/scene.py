@@ -76,10 +76,14 @@ class SceneView:
     def move(self, pose: ScenePose) -> None:
         """Put every body to its place."""
         with np.errstate(invalid="ignore"):
-            still = (np.abs(pose.bodies - self._shown) < 1e-6).all(axis=1)
-        for body in np.flatnonzero(~still):
-            if (frame := self._frames.get(int(body))) is not None:
+            same = np.abs(pose.bodies - self._shown) < 1e-6
+        moved, turned = ~same[:, :3].all(axis=1), ~same[:, 3:].all(axis=1)
+        for body in np.flatnonzero(moved | turned).tolist():
+            if (frame := self._frames.get(body)) is None:
+                continue
+            if moved[body]:
                 frame.position = pose.bodies[body, :3]
+            if turned[body]:
                 frame.wxyz = pose.bodies[body, 3:]
         self._shown = pose.bodies
         if self._following is not None and self._following.on and pose.tool_m is not None:

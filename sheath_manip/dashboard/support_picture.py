@@ -21,6 +21,7 @@ TINT_OPACITY = 0.12
 OUTLINE_OPACITY = 0.7
 # OpenCV places antialiased shapes to 1/16 pixel with this shift.
 SUBPIXEL_BITS = 4
+STRAIGHT_PX = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +196,9 @@ def _runs(track: Track, points: NDArray[np.float64]) -> list[tuple[palette.Rgb, 
 def _polyline(
     picture: NDArray[np.uint8], points: NDArray[np.float64], colour: palette.Rgb, width_px: int
 ) -> None:
-    line = np.rint(points * 2**SUBPIXEL_BITS).astype(np.int32)
+    # OpenCV rounds each joint off, which is dear: those that none would see are left out.
+    bent = cv2.approxPolyDP(points.astype(np.float32), STRAIGHT_PX, False)
+    line = np.rint(bent * 2**SUBPIXEL_BITS).astype(np.int32)
     cv2.polylines(picture, [line], False, colour, width_px, cv2.LINE_AA, SUBPIXEL_BITS)
 
 

@@ -7,6 +7,7 @@ from math import isnan
 from sheath_manip.burden import StepCounts
 from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import TEXT, coloured
+from sheath_manip.dashboard.rate_limiter import READ_RATE_HZ, RateLimiter
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.metrics import ENDED
@@ -24,15 +25,17 @@ class Counts:
         self._facts = context.viser.gui.add_html("")
         self._limited = context.viser.gui.add_html("", visible=False)
         self._counts = context.viser.gui.add_html("")
+        self._limiter = RateLimiter(READ_RATE_HZ)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Show the counts so far."""
         episode = snapshot.episode
         series = snapshot.series if self._with_series else None
-        # What is recorded has all its steps.
-        most = self._max_steps if self._with_series else len(snapshot.trace)
-        set_changed(self._facts, content=_facts(snapshot.info, episode.steps, most))
-        set_changed(self._counts, content=_counts(episode, series, snapshot.outcomes))
+        if self._limiter.should_draw(snapshot):
+            # What is recorded has all its steps.
+            most = self._max_steps if self._with_series else len(snapshot.trace)
+            set_changed(self._facts, content=_facts(snapshot.info, episode.steps, most))
+            set_changed(self._counts, content=_counts(episode, series, snapshot.outcomes))
         # The text first: an empty box would be seen for a moment otherwise.
         now = () if snapshot.step is None else snapshot.step.limited
         set_changed(

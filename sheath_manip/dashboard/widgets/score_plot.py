@@ -8,6 +8,7 @@ from viser.uplot import Axis, Series
 
 from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import caption, note
+from sheath_manip.dashboard.rate_limiter import READ_RATE_HZ, RateLimiter
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
@@ -74,9 +75,12 @@ class ScorePlot:
             padding=PADDING_PX,
             visible=False,
         )
+        self._limiter = RateLimiter(READ_RATE_HZ)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Plot the steps around the shown one."""
+        if not self._limiter.should_draw(snapshot):
+            return
         first = max(snapshot.at - self._before, 0)
         trace = snapshot.trace.until(snapshot.at + 1 + self._after)
         score = trace.score[first:]

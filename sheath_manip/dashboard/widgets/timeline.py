@@ -7,7 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from sheath_manip.dashboard.changed import set_changed
 from sheath_manip.dashboard.markup import TEXT, caption, coloured
+from sheath_manip.dashboard.rate_limiter import READ_RATE_HZ, RateLimiter
 from sheath_manip.dashboard.snapshot import Snapshot
 from sheath_manip.dashboard.widget import WidgetContext
 from sheath_manip.playback import palette
@@ -29,10 +31,12 @@ class Timeline:
         self._rate_hz = context.spec.control_rate_hz
         context.viser.gui.add_html(caption("Timeline", "who acted and why; click to look there"))
         self._strip = context.viser.gui.add_html("")
+        self._limiter = RateLimiter(READ_RATE_HZ)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Show the episode as far as it is known."""
-        self._strip.content = _strip(snapshot, self._rate_hz)
+        if self._limiter.should_draw(snapshot):
+            set_changed(self._strip, content=_strip(snapshot, self._rate_hz))
 
 
 def _strip(snapshot: Snapshot, rate_hz: float) -> str:
