@@ -1,10 +1,13 @@
 """The pages by keyboard alone, at three sizes."""
 
+import time
+from collections.abc import Callable
+
 import pytest
 from playwright.sync_api import Locator, Page
 
 from tests.browser import SIZES
-from tools.chromium import wait_until
+from tools.chromium import TIMEOUT_S, wait_until
 
 QUICK = "phone"
 """the size at which most has to be opened first, and which is drawn fastest"""
@@ -14,6 +17,8 @@ AT_EACH_SIZE = [
 """for `pytest.fixture` and `parametrize`; all but one are too slow for `make test`"""
 WIDEST_SHEET_PX = 576
 """viser's own border between a panel beside the scene and a sheet below it"""
+PATIENCE_S = 3.0
+"""after which a person presses a key again that does nothing"""
 MOST_TABS = 150
 """more than any page has to go through"""
 
@@ -68,3 +73,22 @@ def open_tab(page: Page, name: str) -> None:
         page.keyboard.press("ArrowRight" if way > 0 else "ArrowLeft")
         wait_until(lambda before=before: tabs.and_(selected).inner_text() != before, "tab", page)
     wanted.and_(selected).wait_for()
+
+
+def hold_until(page: Page, key: str, condition: Callable[[], bool], what: str) -> None:
+    """Hold `key` down until `condition`, and further; raises TimeoutError naming `what`.
+
+    A page that was drawn too late, as on a busy machine, has let go of it: then it is pressed anew.
+    """
+    deadline_s, pressed_s = time.monotonic() + TIMEOUT_S, time.monotonic()
+    page.keyboard.down(key)
+    while not condition():
+        now_s = time.monotonic()
+        if now_s > deadline_s:
+            raise TimeoutError(f"no {what} within {TIMEOUT_S:.0f} s")
+        if now_s - pressed_s > PATIENCE_S:
+            page.keyboard.up(key)
+            page.keyboard.down(key)
+            pressed_s = now_s
+        # Not time.sleep, because the page's events are handled in here.
+        page.wait_for_timeout(50)

@@ -76,14 +76,13 @@ class SceneView:
     def move(self, pose: ScenePose) -> None:
         """Put every body to its place."""
         with np.errstate(invalid="ignore"):
-            same = np.abs(pose.bodies - self._shown) < 1e-6
-        moved, turned = ~same[:, :3].all(axis=1), ~same[:, 3:].all(axis=1)
-        for body in np.flatnonzero(moved | turned).tolist():
+            still = np.abs(pose.bodies - self._shown) < 1e-6
+        for body in np.flatnonzero(~still.all(axis=1)).tolist():
             if (frame := self._frames.get(body)) is None:
                 continue
-            if moved[body]:
+            if not still[body, :3].all():
                 frame.position = pose.bodies[body, :3]
-            if turned[body]:
+            if not still[body, 3:].all():
                 frame.wxyz = pose.bodies[body, 3:]
         self._shown = pose.bodies
         if self._following is not None and self._following.on and pose.tool_m is not None:

@@ -7,7 +7,7 @@ from playwright.sync_api import Page
 
 from sheath_manip.types import Actor, Reason
 from tests.browser import await_no_serious_fault, resize
-from tests.by_keyboard import AT_EACH_SIZE, open_panel, open_tab
+from tests.by_keyboard import AT_EACH_SIZE, hold_until, open_panel, open_tab
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
 from tools.chromium import open_dashboard, wait_until
 
@@ -50,9 +50,7 @@ def test_a_person_is_called_takes_over_drives_and_hands_back(
     page.get_by_role("button", name="U: ").wait_for()
     await_no_serious_fault(page)
     from_m = grasp.tool_m.copy()
-    page.keyboard.down("u")
-    grasp.until_turn(Actor.OPERATOR)
-    wait_until(lambda: grasp.tool_m[2] > from_m[2] + 0.02, "motion", page)
+    hold_until(page, "u", lambda: grasp.tool_m[2] > from_m[2] + 0.02, "motion")
     says(page, "You drive.")
     page.keyboard.up("u")
     grasp.inside = True

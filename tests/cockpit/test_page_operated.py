@@ -15,6 +15,7 @@ from sheath_manip.cockpit import Order
 from sheath_manip.cockpit.shown import Shown
 from sheath_manip.dashboard.widgets.tool_gizmo import SHARE_OF_VIEW
 from sheath_manip.types import Actor, Reason
+from tests.by_keyboard import hold_until
 from tests.cockpit.operated_grasp import OperatedGrasp, operated_grasp
 from tests.waiting import eventually
 from tools.chromium import CHROMIUM, FLAGS, open_dashboard, wait_until
@@ -56,10 +57,10 @@ def grasp(running, opened) -> Iterator[OperatedGrasp]:
     running.until_turn(Actor.POLICY)
 
 
-def moved_m(grasp: OperatedGrasp, page: Page, least_m: float) -> NDArray:
-    """(3,) how the tool moves from now on, once it is `least_m` away."""
+def moved_m(grasp: OperatedGrasp, page: Page, key: str, least_m: float) -> NDArray:
+    """(3,) how the tool moves by a key that is held, once it is `least_m` away."""
     from_m = grasp.tool_m.copy()
-    wait_until(lambda: math.dist(grasp.tool_m, from_m) > least_m, "motion", page)
+    hold_until(page, key, lambda: math.dist(grasp.tool_m, from_m) > least_m, "motion")
     return grasp.tool_m - from_m
 
 
@@ -84,8 +85,7 @@ def test_take_over_by_click_drive_with_held_keys_and_hand_back(grasp, opened):
     holds(grasp, page)
     camera = next(iter(grasp.page._server.viser.get_clients().values())).camera
     before = camera.position.copy()
-    page.keyboard.down("i")
-    way_m = moved_m(grasp, page, 0.05)
+    way_m = moved_m(grasp, page, "i", 0.05)
     assert way_m[0] > 0.9 * np.linalg.norm(way_m)
     driven = next(step for step in reversed(grasp.steps) if step.label is not None)
     assert driven.decision.actor is Actor.OPERATOR
@@ -93,8 +93,7 @@ def test_take_over_by_click_drive_with_held_keys_and_hand_back(grasp, opened):
     assert driven.label[0] == pytest.approx(0.6)
     page.keyboard.up("i")
     holds(grasp, page)
-    page.keyboard.down("k")
-    assert moved_m(grasp, page, 0.03)[0] < 0
+    assert moved_m(grasp, page, "k", 0.03)[0] < 0
     page.keyboard.up("k")
     np.testing.assert_array_equal(camera.position, before)
     page.get_by_role("button", name="Hand back (H)").click()
@@ -160,15 +159,14 @@ def test_the_stop_is_latched_until_it_is_reset(grasp, opened):
     page = opened
     page.keyboard.press("t")
     wait_until(lambda: grasp.cockpit.state.taken, "takeover", page)
-    page.keyboard.down("j")
-    grasp.until_turn(Actor.OPERATOR)
-    moved_m(grasp, page, 0.02)
+    moved_m(grasp, page, "j", 0.02)
     # Also where the focus is in a field.
     page.get_by_role("textbox").first.focus()
     page.keyboard.press("Space")
     wait_until(lambda: grasp.cockpit.state.stopped, "stop", page)
+    stopped = Reason.EMERGENCY_STOP
+    wait_until(lambda: grasp.steps[-1].decision.reason is stopped, "hold by the stop", page)
     holds(grasp, page)
-    assert grasp.steps[-1].decision.reason is Reason.EMERGENCY_STOP
     # Still held, and still stopped.
     page.get_by_text("EMERGENCY STOP. R resets it.").wait_for()
     page.keyboard.up("j")
@@ -197,9 +195,7 @@ def test_the_gate_asks_and_the_person_answers(grasp, opened):
     assert grasp.steps[-1].decision.reason is Reason.WAITING
     page.wait_for_function(f"sheathOperator.beeps > {heard}")
     page.keyboard.press("t")
-    page.keyboard.down("u")
-    grasp.until_turn(Actor.OPERATOR)
-    assert moved_m(grasp, page, 0.02)[2] > 0.01
+    assert moved_m(grasp, page, "u", 0.02)[2] > 0.01
     page.get_by_text("Operator acts").wait_for()
     page.keyboard.up("u")
     grasp.inside = True
@@ -220,8 +216,10 @@ PUSHED = """
 def test_a_gamepad_drives_the_arm(grasp, opened):
     opened.keyboard.press("t")
     wait_until(lambda: grasp.cockpit.state.taken, "takeover", opened)
+    from_m = grasp.tool_m.copy()
     opened.evaluate(PUSHED)
-    way_m = moved_m(grasp, opened, 0.03)
+    wait_until(lambda: math.dist(grasp.tool_m, from_m) > 0.03, "motion", opened)
+    way_m = grasp.tool_m - from_m
     assert way_m[1] > 0.9 * np.linalg.norm(way_m)
     opened.evaluate("() => { navigator.getGamepads = () => []; }")
     holds(grasp, opened)

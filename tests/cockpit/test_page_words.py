@@ -8,6 +8,7 @@ from playwright.sync_api import Page
 
 from sheath_manip.playback import palette
 from sheath_manip.types import Actor, Reason
+from tests.by_keyboard import hold_until
 from tests.cockpit.operated_grasp import FALLBACK, WAIT_S, OperatedGrasp, operated_grasp
 from tools.chromium import chromium_page, open_dashboard, wait_until
 
@@ -89,7 +90,7 @@ def test_the_page_says_at_each_moment_who_acts(grasp, page):
     taken = "You have taken over; the robot holds until you move it. H hands back."
     await_shown(page, grasp, Shown(taken, DRIVING, "Robot holds", Reason.IDLE, Actor.HOLD))
 
-    page.keyboard.down("u")
+    hold_until(page, "u", lambda: grasp.turns[-1][1] is Actor.OPERATOR, "turn")
     drives = "You drive. H hands back, Space stops."
     await_shown(page, grasp, Shown(drives, DRIVING, "Operator acts", Reason.PERSON, Actor.OPERATOR))
     page.get_by_text("operator: person").wait_for()
