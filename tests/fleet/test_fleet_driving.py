@@ -22,7 +22,7 @@ from tools.fleet_person import Eyes, FleetPerson
 from tools.scripted_person import at_the_wheel
 from tools.station import Station
 
-pytestmark = pytest.mark.soak
+pytestmark = [pytest.mark.soak, pytest.mark.timeout(900)]
 ROBOTS, EPISODES = 4, 8
 SPEED = 0.5
 """times the task's pace, since the software that draws is slow"""
