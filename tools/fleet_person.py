@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from websockets.exceptions import ConnectionClosed
 
 from sheath_manip.playback.film import Film
 from sheath_manip.protocols import Environment, Expert, Restorable
@@ -84,6 +85,9 @@ class FleetPerson(Closes):
     def _serve(self) -> None:
         try:
             self._serve_until_over()
+        except ConnectionClosed:
+            # The run is over, and its page is gone, maybe in the midst of a word.
+            pass
         finally:
             # OpenGL's context belongs to the thread that has drawn in it.
             self.eyes.environment.close()
