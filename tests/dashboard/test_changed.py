@@ -8,6 +8,8 @@ from sheath_manip.dashboard.changed import set_changed
 class Element:
     """Notes what is set of it, as viser's elements send it."""
 
+    sent: list[tuple[str, Any]]
+
     def __init__(self) -> None:
         self.__dict__.update(content="a", visible=False, sent=[])
 
